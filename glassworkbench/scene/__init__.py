@@ -1,0 +1,29 @@
+"""The scene: bodies, media, camera and lights as plain arrays and frozen dataclasses.
+
+No FreeCAD, no Qt: a scene can be pickled, sent to another machine and traced there.
+Units are millimetres and radians unless a name says otherwise.
+"""
+
+from glassworkbench.scene.bodies import Body, ContainerGeometry, Ellipsoid, Mesh, Revolved, Surface
+from glassworkbench.scene.cameras import Camera, Pinhole, Telecentric
+from glassworkbench.scene.lights import Environment, Light, Panel
+from glassworkbench.scene.media import Medium, medium_table
+from glassworkbench.scene.scene import Scene
+
+__all__ = [
+    "Body",
+    "Camera",
+    "ContainerGeometry",
+    "Ellipsoid",
+    "Environment",
+    "Light",
+    "Medium",
+    "Mesh",
+    "Panel",
+    "Pinhole",
+    "Revolved",
+    "Scene",
+    "Surface",
+    "Telecentric",
+    "medium_table",
+]
