@@ -1,0 +1,41 @@
+"""GlassWorkbench: from the mold of a glass container to the container, and what light makes of it.
+
+The names a macro needs, loaded when first used: a plain scene is rendered without FreeCAD being imported.
+"""
+
+from importlib import import_module
+
+__version__ = "0.1.0"
+
+_HOMES = {
+    "GlassWorkbenchError": "glassworkbench.errors",
+    "InputError": "glassworkbench.errors",
+    "Cancelled": "glassworkbench.errors",
+    "read_mold": "glassworkbench.mold",
+    "inspect": "glassworkbench.mold",
+    "hollow": "glassworkbench.wall",
+    "Glass": "glassworkbench.glass",
+    "glasses": "glassworkbench.glass:catalogue",
+    "fillings": "glassworkbench.glass",
+    "find_glass": "glassworkbench.glass",
+    "station": "glassworkbench.stations",
+    "stations": "glassworkbench.stations",
+    "read_scene": "glassworkbench.scene.file",
+    "render": "glassworkbench.tracer",
+    "Cancel": "glassworkbench.tracer",
+    "Image": "glassworkbench.images",
+    "read_image": "glassworkbench.images",
+}
+
+__all__ = ["__version__", *_HOMES]
+
+
+def __getattr__(name: str) -> object:
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    module, _, original = _HOMES[name].partition(":")
+    return getattr(import_module(module), original or name)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

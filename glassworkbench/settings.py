@@ -1,0 +1,58 @@
+"""TOML files read strictly: a misspelt key or name is an error that suggests the right one."""
+
+from __future__ import annotations
+
+import difflib
+import tomllib
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+from glassworkbench.errors import InputError
+
+RESOURCES = Path(__file__).resolve().parent.parent / "resources"
+"""The installation's folder of glasses, stations and icons."""
+
+
+def read_toml(path: str | Path) -> dict:
+    """Return the tables of a TOML file.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or is not TOML.
+    """
+    try:
+        return tomllib.loads(Path(path).read_text(encoding="utf-8"))
+    except FileNotFoundError as error:
+        raise InputError(f"{path}: there is no such file") from error
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror})") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: not valid TOML ({error})") from error
+
+
+def unknown_name(kind: str, name: str, known: Iterable[str]) -> InputError:
+    """Return the error for a `name` that is not among the `known` ones, suggesting the nearest."""
+    known = sorted(known)
+    lowered = {candidate.lower(): candidate for candidate in known}
+    close = difflib.get_close_matches(str(name).lower(), lowered, n=1, cutoff=0.5)
+    hint = f"did you mean {lowered[close[0]]!r}?" if close else f"there is {', '.join(known)}"
+    return InputError(f"{kind} {name!r} is not known; {hint}")
+
+
+def check_keys(table: Mapping, required: Iterable[str], optional: Iterable[str], where: str) -> None:
+    """Check that `table` has every required key and no other than those named.
+
+    Raises
+    ------
+    InputError
+        Naming `where`, the key, and the nearest known one.
+    """
+    required, optional = set(required), set(optional)
+    if not isinstance(table, Mapping):
+        raise InputError(f"{where}: expected a table of keys, got {table!r}")
+    for key in table:
+        if key not in required | optional:
+            raise unknown_name(f"{where}: key", key, required | optional)
+    for key in sorted(required - set(table)):
+        raise InputError(f"{where}: the key {key!r} is missing")

@@ -1,0 +1,6 @@
+"""Stations: a container, a glass and a filling become a scene as one camera of the line, or a designer, sees it."""
+
+from glassworkbench.stations.catalogue import check_station, station, stations
+from glassworkbench.stations.contents import Fill, parse_fill
+
+__all__ = ["Fill", "check_station", "parse_fill", "station", "stations"]

@@ -1,0 +1,57 @@
+"""Sidewall inspection in bright field: a diffuse panel behind, darkness elsewhere, the camera in front."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from glassworkbench.scene import ContainerGeometry, Panel, Pinhole
+from glassworkbench.stations.framing import framing_camera
+
+
+def sidewall(
+    geometry: ContainerGeometry,
+    size: tuple[int, int],
+    *,
+    vertical_field_of_view_deg: float,
+    frame_margin: float,
+    panel_side_margin: float,
+    panel_height_margin: float,
+    panel_gap: float,
+    panel_radiance: float,
+) -> tuple[tuple[Panel, ...], Pinhole]:
+    """Return the lights and the camera.
+
+    Parameters
+    ----------
+    geometry : ContainerGeometry
+    size : (int, int)
+        Width and height of the image in pixels.
+    vertical_field_of_view_deg : float
+    frame_margin : float
+        Part of the image, at each edge, that the container leaves free.
+    panel_side_margin, panel_gap : float
+        How far the panel reaches past the container on each side, and stands behind it, as parts of its width.
+    panel_height_margin : float
+        How far it reaches above and below, as a part of the container's height.
+    panel_radiance : float
+    """
+    low, high = geometry.low_mm, geometry.high_mm
+    width, _, height = high - low
+    corner = np.array(
+        [low[0] - panel_side_margin * width, high[1] + panel_gap * width, low[2] - panel_height_margin * height]
+    )
+    panel = Panel(
+        origin_mm=corner,
+        u_mm=(width * (1.0 + 2.0 * panel_side_margin), 0.0, 0.0),
+        v_mm=(0.0, 0.0, height * (1.0 + 2.0 * panel_height_margin)),
+        radiance=panel_radiance,
+    )
+    camera = framing_camera(
+        geometry,
+        size,
+        azimuth_deg=-90.0,
+        elevation_deg=0.0,
+        vertical_field_of_view_deg=vertical_field_of_view_deg,
+        margin=frame_margin,
+    )
+    return (panel,), camera
