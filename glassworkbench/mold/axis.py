@@ -1,0 +1,201 @@
+"""Finds the axis a container stands on and which way is up."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from glassworkbench.errors import InputError
+from glassworkbench.freecad import FreeCAD, Part
+from glassworkbench.mold.silhouette import find_stem, silhouette
+
+ALIGNED = 1e-6
+"""Two directions (or a line and a point, relative to the shape's size) closer than this are the same one."""
+
+NARROW_END = 0.6
+"""Of two flat ends, one whose area is below this share of the other's is the mouth."""
+
+
+@dataclass(frozen=True, eq=False)
+class Standing:
+    """Where a container stands in CAD coordinates.
+
+    Parameters
+    ----------
+    axis : array (3,)
+        Unit vector, pointing from the base to the finish.
+    point_mm : array (3,)
+        Any point of the axis.
+    finish_face : int
+        1-based number of the face that closes the mouth.
+    """
+
+    axis: np.ndarray
+    point_mm: np.ndarray
+    finish_face: int
+
+
+def find_standing(
+    solid: Part.Shape, vertices_mm: np.ndarray, triangles: np.ndarray, *, axis: object = None, up: object = None
+) -> Standing:
+    """Return the axis and the finish of a solid.
+
+    The axis is the one about which most of the curved surface is turned; without such surface, a principal axis of
+    inertia. The finish is the outermost planar face across it.
+
+    Parameters
+    ----------
+    solid : Part.Shape
+    vertices_mm, triangles : arrays (n, 3), (m, 3)
+        A closed mesh of the solid.
+    axis, up : array (3,), optional
+        The user's word on the axis (either sense), and on the direction from base to finish.
+
+    Raises
+    ------
+    InputError
+        If no planar face lies across any axis at the solid's end.
+    """
+    centroid, inertia_axes = _inertia(vertices_mm, triangles)
+    size = float(np.ptp(vertices_mm, axis=0).max())
+    lines = _turned_lines(solid, size)
+    wanted = up if up is not None else axis
+    if wanted is not None:
+        direction = np.asarray(wanted, dtype=float)
+        if direction.shape != (3,) or not np.all(np.isfinite(direction)) or not np.any(direction):
+            raise InputError(f"axis: expected three numbers that are not all zero, got {wanted!r}")
+        direction = direction / np.linalg.norm(direction)
+        lines = [line for line in lines if abs(line[0] @ direction) > 1.0 - 1e-4]
+        lines = lines or [(direction, centroid, 0.0)]
+    else:
+        lines = lines + [(direction, centroid, 0.0) for direction in inertia_axes]
+    for direction, point, _ in lines:
+        ends = _flat_ends(solid, vertices_mm, direction, point)
+        if up is not None:
+            ends = [end for end in ends if end.axis @ np.asarray(up, dtype=float) > 0.0]
+        if ends:
+            return _finish_end(ends, solid, vertices_mm, triangles)
+    raise InputError(
+        "finish: no flat face closes the shape at the end of its axis, so the mouth cannot be found; "
+        "cut the shape flat where the mouth is, or give axis and finish_height_mm"
+    )
+
+
+def _turned_lines(solid: Part.Shape, size: float) -> list[tuple[np.ndarray, np.ndarray, float]]:
+    """Return the lines (direction, point, area) about which curved faces are turned, the largest area first."""
+    lines: list[list] = []
+    for face in solid.Faces:
+        for direction, point, area in _own_axes(face):
+            for line in lines:
+                across = point - line[1]
+                off = np.linalg.norm(across - (across @ line[0]) * line[0])
+                if np.linalg.norm(np.cross(direction, line[0])) < ALIGNED and off < ALIGNED * size:
+                    line[2] += area
+                    break
+            else:
+                lines.append([direction, point, area])
+    return sorted((tuple(line) for line in lines), key=lambda line: -line[2])
+
+
+def _own_axes(face: Part.Face) -> list[tuple[np.ndarray, np.ndarray, float]]:
+    surface = face.Surface
+    name = type(surface).__name__
+    if name in ("Cylinder", "Cone", "Toroid"):
+        point = surface.Center
+        return [(_unit(surface.Axis), np.array(point), face.Area)]
+    if name == "SurfaceOfRevolution":
+        return [(_unit(surface.Direction), np.array(surface.Location), face.Area)]
+    if name in ("BSplineSurface", "BezierSurface", "Sphere", "OffsetSurface", "Plane"):
+        # Free-form faces keep no axis of their own, but CAD writes the circles that bound them as circles.
+        circles = [edge.Curve for edge in face.Edges if _is_circle(edge)]
+        share = 1.0 if name != "Plane" else 1e-3
+        return [(_unit(c.Axis), np.array(c.Center), share * face.Area / len(circles)) for c in circles]
+    return []
+
+
+def _is_circle(edge: Part.Edge) -> bool:
+    try:
+        return type(edge.Curve).__name__ == "Circle"
+    except TypeError:
+        # A degenerate edge (the pole of a sphere) has no curve.
+        return False
+
+
+def _unit(vector: object) -> np.ndarray:
+    array = np.array(vector, dtype=float)
+    array /= np.linalg.norm(array)
+    return array if array[np.argmax(np.abs(array))] > 0.0 else -array
+
+
+def _flat_ends(solid: Part.Shape, vertices_mm: np.ndarray, direction: np.ndarray, point: np.ndarray) -> list[Standing]:
+    """Return the planar faces across the line that close the solid at one of its ends."""
+    ends = []
+    heights = (vertices_mm - point) @ direction
+    for sense in (1.0, -1.0):
+        top = (sense * heights).max()
+        tolerance = 1e-4 * np.ptp(heights)
+        for number, face in enumerate(solid.Faces, start=1):
+            if type(face.Surface).__name__ != "Plane":
+                continue
+            normal = np.array(face.normalAt(*face.Surface.parameter(face.CenterOfMass)))
+            if sense * normal @ direction < 1.0 - ALIGNED:
+                continue
+            centre = np.array(face.CenterOfMass) - point
+            height = centre @ direction
+            off_axis = np.linalg.norm(centre - height * direction)
+            if (
+                sense * height > top - tolerance
+                and off_axis < 0.1 * np.sqrt(face.Area)
+                and _holds(face, point + height * direction)
+            ):
+                ends.append(Standing(sense * direction, point, number))
+    return ends
+
+
+def _holds(face: Part.Face, point: np.ndarray) -> bool:
+    return face.isInside(FreeCAD.Vector(*point.tolist()), 1e-6, True)
+
+
+def _finish_end(ends: list[Standing], solid: Part.Shape, vertices_mm: np.ndarray, triangles: np.ndarray) -> Standing:
+    """Return the end that is the mouth: far from a stem, else clearly the narrower, else the one that CAD has up."""
+    first, second = ends[0], ends[-1]
+    if first is second:
+        return first
+    heights, radii = silhouette(to_upright(vertices_mm, first), triangles)
+    stem = find_stem(heights, radii)
+    if stem is not None:
+        return first if stem.thinnest_mm < 0.5 * heights[-1] else second
+    areas = [solid.Faces[end.finish_face - 1].Area for end in (first, second)]
+    if min(areas) < NARROW_END * max(areas):
+        return (first, second)[int(np.argmin(areas))]
+    return first
+
+
+def rotation_to_upright(axis: np.ndarray) -> np.ndarray:
+    """Return the smallest rotation (3, 3) that takes the unit vector `axis` to +z."""
+    x, y, z = axis
+    if z < -1.0 + 1e-12:
+        return np.diag([1.0, -1.0, -1.0])
+    cross = np.array([[0.0, 0.0, -x], [0.0, 0.0, -y], [x, y, 0.0]])
+    return np.eye(3) + cross + cross @ cross / (1.0 + z)
+
+
+def to_upright(points_mm: np.ndarray, standing: Standing) -> np.ndarray:
+    """Return points (n, 3) turned and moved so that the axis is z and the lowest lies at z = 0."""
+    upright = (points_mm - standing.point_mm) @ rotation_to_upright(standing.axis).T
+    upright[:, 2] -= upright[:, 2].min()
+    return upright
+
+
+def _inertia(vertices_mm: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, list[np.ndarray]]:
+    """Return the centroid of a closed mesh and its principal axes, the longest extent first."""
+    a, b, c = (vertices_mm[triangles[:, k]] for k in range(3))
+    volumes = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6.0
+    total = volumes.sum()
+    centroid = (volumes[:, None] * (a + b + c)).sum(axis=0) / (4.0 * total)
+    a, b, c = a - centroid, b - centroid, c - centroid
+    sums = a + b + c
+    second = sum(np.einsum("i,ij,ik->jk", volumes, p, p) for p in (a, b, c, sums)) / 20.0
+    _, vectors = np.linalg.eigh(second / total)
+    return centroid, [_unit(vector) for vector in vectors.T[::-1]]

@@ -1,0 +1,301 @@
+"""A mold: the outer shape of a container, standing upright, with what is known of it."""
+
+from __future__ import annotations
+
+import itertools
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from glassworkbench.errors import InputError
+from glassworkbench.freecad import FreeCAD, Part
+from glassworkbench.mold.anatomy import Anatomy
+from glassworkbench.mold.axis import Standing, find_standing, rotation_to_upright
+from glassworkbench.mold.meridian import chain, face_profiles, points
+from glassworkbench.mold.read import read_shape, sha256
+from glassworkbench.mold.silhouette import find_regions, find_stem, radius_spread, silhouette
+
+
+@dataclass(frozen=True, eq=False)
+class Mold:
+    """The outer shape of a container.
+
+    Parameters
+    ----------
+    solid : Part.Shape
+        One closed solid, in CAD coordinates.
+    upright : Part.Shape
+        The same solid with its axis on +z and its lowest point at z = 0; its faces keep their numbers.
+    placement : array (4, 4)
+        Takes upright coordinates to CAD coordinates.
+    anatomy : Anatomy
+    name : str
+    path : Path or None
+        The file it came from, None for a FreeCAD object.
+    sha256 : str
+        Digest of that file, empty for a FreeCAD object.
+    core : array (n, 4, 3) or None
+        The meridian of its faces that are turned about the axis, base to finish; None if they do not connect.
+    """
+
+    solid: Part.Shape
+    upright: Part.Shape
+    placement: np.ndarray
+    anatomy: Anatomy
+    name: str
+    path: Path | None = None
+    sha256: str = ""
+    core: np.ndarray | None = None
+
+
+def read_mold(
+    path: str | os.PathLike,
+    *,
+    scale_to_mm: float | None = None,
+    axis: object = None,
+    up: object = None,
+    finish_height_mm: float | None = None,
+) -> Mold:
+    """Return the mold in a CAD file.
+
+    Parameters
+    ----------
+    path : path
+        STEP, IGES, BREP or FCStd file with one closed solid: the outer shape of a container, full inside.
+    scale_to_mm : float, optional
+        Multiplies every length, for a file whose declared unit is wrong.
+    axis, up, finish_height_mm : optional
+        Overrule what is found, as in `mold_from_shape`.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, does not hold exactly one closed solid, or its axis or finish cannot be found.
+    """
+    path = Path(path)
+    shape = read_shape(path, scale_to_mm=scale_to_mm)
+    try:
+        return _mold(shape, path.stem, axis, up, finish_height_mm, path, sha256(path))
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+
+
+def mold_from_shape(
+    shape: Part.Shape,
+    name: str,
+    *,
+    axis: object = None,
+    up: object = None,
+    finish_height_mm: float | None = None,
+) -> Mold:
+    """Return the mold that a shape (of a selected FreeCAD object, in mm) is.
+
+    Parameters
+    ----------
+    shape : Part.Shape
+    name : str
+    axis : array (3,), optional
+        Direction of the axis, either sense.
+    up : array (3,), optional
+        Direction from base to finish.
+    finish_height_mm : float, optional
+        The shape is cut flat at this height above its lowest point, and the mouth is there.
+
+    Raises
+    ------
+    InputError
+        As `read_mold`.
+    """
+    return _mold(shape, name, axis, up, finish_height_mm, None, "")
+
+
+def _mold(
+    shape: Part.Shape,
+    name: str,
+    axis: object,
+    up: object,
+    finish_height_mm: float | None,
+    path: Path | None,
+    digest: str,
+) -> Mold:
+    solid = single_solid(shape)
+    vertices, triangles = mesh_of(solid)
+    standing = find_standing(solid, vertices, triangles, axis=axis, up=up)
+    placement = placement_of(standing, vertices)
+    upright = moved(solid, np.linalg.inv(placement))
+    profiles = face_profiles(upright.Faces)
+    core = chain(profiles)
+    anatomy = _anatomy(standing, placement, upright, profiles, core)
+    return Mold(solid, upright, placement, anatomy, name, path, digest, core)
+
+
+def single_solid(shape: Part.Shape) -> Part.Shape:
+    """Return the one closed solid that a shape holds, facing outward.
+
+    Raises
+    ------
+    InputError
+        If it holds none, several, or an open shell.
+    """
+    if len(shape.Solids) > 1:
+        raise InputError(
+            f"it holds {len(shape.Solids)} solids, but a mold is one; join them, or export only the container's"
+        )
+    if not shape.Solids:
+        closed = [shell for shell in shape.Shells if shell.isClosed()]
+        if not closed:
+            kind = "an open shell" if shape.Shells else "loose faces"
+            raise InputError(f"it holds no solid, only {kind}; close the surface and export it as a solid")
+        return _outward(Part.makeSolid(closed[0]))
+    solid = shape.Solids[0]
+    if not all(shell.isClosed() for shell in solid.Shells):
+        raise InputError("its solid is not closed (a shell has free edges); repair it in the CAD program")
+    return _outward(solid)
+
+
+def _outward(solid: Part.Shape) -> Part.Shape:
+    vertices, triangles = mesh_of(solid)
+    return solid if signed_volume(vertices, triangles) > 0.0 else solid.reversed()
+
+
+def mesh_of(shape: Part.Shape) -> tuple[np.ndarray, np.ndarray]:
+    """Return a mesh (vertices (n, 3), triangles (m, 3)) fine enough to measure a container by, 0.1 % of its size."""
+    size = shape.BoundBox.DiagonalLength
+    vertices, triangles = shape.tessellate(max(1e-3 * min(size, 200.0), 1e-6))
+    return np.array([tuple(vertex) for vertex in vertices]), np.array(triangles)
+
+
+def signed_volume(vertices_mm: np.ndarray, triangles: np.ndarray) -> float:
+    """Return the volume (mm^3) that a closed mesh holds, negative if its triangles face inward."""
+    a, b, c = (vertices_mm[triangles[:, k]] - vertices_mm[0] for k in range(3))
+    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
+
+
+def placement_of(standing: Standing, vertices_mm: np.ndarray) -> np.ndarray:
+    """Return the matrix (4, 4) from upright to CAD coordinates for a container with the points `vertices_mm` (n, 3)."""
+    heights = (vertices_mm - standing.point_mm) @ standing.axis
+    placement = np.eye(4)
+    placement[:3, :3] = rotation_to_upright(standing.axis).T
+    placement[:3, 3] = standing.point_mm + heights.min() * standing.axis
+    return placement
+
+
+def moved(shape: Part.Shape, matrix: np.ndarray) -> Part.Shape:
+    """Return a copy of a shape after a rigid motion (4, 4)."""
+    copy = shape.copy()
+    copy.transformShape(FreeCAD.Matrix(*matrix.ravel().tolist()), True, False)
+    return copy
+
+
+def _anatomy(
+    standing: Standing,
+    placement: np.ndarray,
+    upright: Part.Shape,
+    profiles: list[np.ndarray | None],
+    core: np.ndarray | None,
+) -> Anatomy:
+    vertices, triangles = mesh_of(upright)
+    heights, radii = silhouette(vertices, triangles)
+    stem = find_stem(heights, radii)
+    regions = find_regions(heights, radii, stem)
+    height = float(vertices[:, 2].max())
+    departure, where = _departure(vertices, triangles, profiles, core)
+    finish_height = upright.Faces[standing.finish_face - 1].CenterOfMass.z
+    finish_low = regions["finish"][0]
+    from_axis = np.hypot(vertices[:, 0], vertices[:, 1])
+    outline = points(core, 64) if core is not None else np.column_stack([from_axis, vertices[:, 2]])
+    lowest = outline[outline[:, 1] < 1e-6 * height]
+    return Anatomy(
+        axis=standing.axis,
+        base_point_mm=placement[:3, 3],
+        height_mm=height,
+        finish_height_mm=float(finish_height),
+        finish_outer_radius_mm=float(radii[heights > finish_low].max()),
+        finish_face=standing.finish_face,
+        maximum_radius_mm=float(max(from_axis.max(), outline[:, 0].max())),
+        smallest_width_mm=_smallest_width(vertices),
+        bearing_radius_mm=float(lowest[:, 0].mean()),
+        push_up_mm=float(core[0, 0, 1] if core is not None else crossings_on_axis(vertices, triangles)[0]),
+        departure_mm=departure,
+        departure_at_mm=where,
+        stem_top_mm=stem.top_mm if stem is not None else 0.0,
+        regions=regions,
+    )
+
+
+def _departure(
+    vertices_mm: np.ndarray, triangles: np.ndarray, profiles: list[np.ndarray | None], core: np.ndarray | None
+) -> tuple[float, np.ndarray]:
+    """Return the largest distance between the surface and its core in the meridian half-plane, and where it is."""
+    if core is None:
+        return radius_spread(vertices_mm, triangles, crossings_on_axis(vertices_mm, triangles)[0])
+    if all(profile is not None for profile in profiles):
+        return 0.0, np.array([core[0, 0, 0], 0.0, core[0, 0, 1]])
+    flat = np.column_stack([np.hypot(vertices_mm[:, 0], vertices_mm[:, 1]), vertices_mm[:, 2]])
+    distances = distance_to_polyline(flat, points(core, 32))
+    worst = int(np.argmax(distances))
+    return float(distances[worst]), vertices_mm[worst]
+
+
+def distance_to_polyline(points_mm: np.ndarray, polyline_mm: np.ndarray) -> np.ndarray:
+    """Return the distance (n,) of each point (n, 2) to a polyline (m, 2)."""
+    nearest = np.full(len(points_mm), np.inf)
+    for start, end in itertools.pairwise(polyline_mm):
+        along = end - start
+        length_squared = along @ along
+        if length_squared == 0.0:
+            continue
+        offset = points_mm - start
+        share = np.clip(offset @ along / length_squared, 0.0, 1.0)
+        np.minimum(nearest, np.linalg.norm(offset - share[:, None] * along, axis=1), out=nearest)
+    return nearest
+
+
+def _smallest_width(vertices_mm: np.ndarray) -> float:
+    angles = np.linspace(0.0, np.pi, 180, endpoint=False)
+    return float(np.ptp(vertices_mm[:, :2] @ np.array([np.cos(angles), np.sin(angles)]), axis=0).min())
+
+
+def crossings_on_axis(vertices_mm: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """Return the heights (n,) where the z axis passes through a closed mesh, ascending."""
+    a, b, c = (vertices_mm[triangles[:, k], :2] for k in range(3))
+
+    def cross(p: np.ndarray, q: np.ndarray) -> np.ndarray:
+        return p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]
+
+    shares = np.stack([cross(b, c), cross(c, a), cross(a, b)])
+    area = shares.sum(axis=0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        shares = shares / area
+    hit = np.all(shares >= -1e-9, axis=0) & (np.abs(area) > 0.0)
+    heights = np.sort((shares.T[hit] * vertices_mm[triangles[hit], 2]).sum(axis=1))
+    # A vertex or edge on the axis is met by each triangle around it.
+    return heights[np.concatenate([[True], np.diff(heights) > 1e-6 * np.ptp(vertices_mm[:, 2])])]
+
+
+def outer_meridian(mold: Mold) -> np.ndarray:
+    """Return the exact profile of a mold of revolution, from the axis at the base, up the outside, to the axis on top.
+
+    Parameters
+    ----------
+    mold : Mold
+
+    Returns
+    -------
+    array (n, 4, 3)
+        Rational cubic Bezier segments (r mm, z mm, weight) in upright coordinates, as `scene.Revolved` takes them.
+        Curves of degree above 3 are approximated within `meridian.APPROXIMATION_MM`, all else is exact.
+
+    Raises
+    ------
+    InputError
+        If the mold is not a body of revolution.
+    """
+    if not mold.anatomy.is_revolved or mold.core is None:
+        raise InputError(
+            f"{mold.name}: it departs from a body of revolution by {mold.anatomy.departure_mm:.3g} mm, "
+            "so no single meridian describes it"
+        )
+    return mold.core

@@ -1,0 +1,111 @@
+"""Reads a CAD file into OCC shapes, quietly, and says in one sentence what is wrong with it."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import os
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+from glassworkbench.errors import InputError
+from glassworkbench.freecad import FreeCAD, Part
+
+STEP_ENDINGS = (".step", ".stp")
+ENDINGS = (*STEP_ENDINGS, ".iges", ".igs", ".brep", ".brp", ".fcstd")
+
+METRES_HEIGHT_MM = 2.0
+"""No container is lower than this; a file that arrives so small was drawn in metres and declared as millimetres."""
+
+
+def read_shape(path: str | os.PathLike, *, scale_to_mm: float | None = None) -> Part.Shape:
+    """Return what a CAD file holds as one shape, in mm.
+
+    Parameters
+    ----------
+    path : path
+        STEP, IGES, BREP or FCStd. A STEP file's units are honoured.
+    scale_to_mm : float, optional
+        Multiplies every length, for a file whose declared unit is wrong.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, empty, of another kind, cut short, or holds no shape.
+    """
+    path = Path(path)
+    _check_file(path)
+    try:
+        with silenced_output():
+            shape = _read_document(path) if path.suffix.lower() == ".fcstd" else Part.read(str(path))
+            empty = shape.isNull() or not shape.Faces
+    except (Part.OCCError, OSError, RuntimeError, ValueError) as error:
+        raise InputError(f"{path}: it cannot be read as a CAD file; it is damaged or of another kind") from error
+    if empty:
+        raise InputError(f"{path}: it holds no surface that could be a container; export the container as a solid")
+    if scale_to_mm is not None:
+        if not (0.0 < scale_to_mm < float("inf")):
+            raise InputError(f"scale_to_mm: must be above 0, got {scale_to_mm:g}")
+        shape = shape.scaled(scale_to_mm, FreeCAD.Vector()) if scale_to_mm != 1.0 else shape
+    return shape
+
+
+def sha256(path: str | os.PathLike) -> str:
+    """Return the SHA-256 digest of a file, in hexadecimal."""
+    return hashlib.sha256(Path(path).read_bytes()).hexdigest()
+
+
+def _check_file(path: Path) -> None:
+    if path.suffix.lower() not in ENDINGS:
+        raise InputError(
+            f"{path}: {path.suffix or 'no ending'} is not a CAD file this reads; give one of {', '.join(ENDINGS)}"
+        )
+    if not path.is_file():
+        raise InputError(f"{path}: there is no such file; check the path")
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"{path}: it cannot be opened ({error.strerror}); check its permissions") from error
+    if not content.strip():
+        raise InputError(f"{path}: the file is empty; export it again")
+    if path.suffix.lower() in STEP_ENDINGS:
+        if b"ISO-10303-21" not in content[:1024]:
+            raise InputError(
+                f"{path}: this is not a STEP file (it does not begin with ISO-10303-21); export it as STEP"
+            )
+        if b"END-ISO-10303-21" not in content[-1024:]:
+            raise InputError(f"{path}: the STEP file is cut short (its last line is missing); export or copy it again")
+
+
+def _read_document(path: Path) -> Part.Shape:
+    document = FreeCAD.openDocument(str(path), True)
+    try:
+        tops = [
+            item.Shape.copy()
+            for item in document.Objects
+            if item.isDerivedFrom("Part::Feature") and not item.InList and item.Shape.Faces
+        ]
+    finally:
+        FreeCAD.closeDocument(document.Name)
+    return tops[0] if len(tops) == 1 else Part.makeCompound(tops)
+
+
+@contextlib.contextmanager
+def silenced_output() -> Iterator[None]:
+    """Keep what OCC writes to the process's standard output and error away from the user."""
+    sys.stdout.flush()
+    sys.stderr.flush()
+    with contextlib.ExitStack() as stack:
+        sink = stack.enter_context(tempfile.TemporaryFile())
+        for descriptor in (1, 2):
+            try:
+                saved = os.dup(descriptor)
+            except OSError:
+                # A windowed program may have no standard streams at all: then there is nothing to keep quiet.
+                continue
+            stack.callback(os.close, saved)
+            stack.callback(os.dup2, saved, descriptor)
+            os.dup2(sink.fileno(), descriptor)
+        yield
