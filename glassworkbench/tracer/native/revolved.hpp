@@ -1,0 +1,423 @@
+// A meridian turned about an axis, and the crossings of a ray with it.
+//
+// In the (r, z) half-plane a ray is a hyperbola: with tau measured along the ray from a point near the axis,
+//   r^2 = A tau^2 + 2 B tau + C,   z = z0 + tau dz.
+// Eliminating tau gives a polynomial that degenerates to a perfect square for horizontal rays, which costs half the
+// digits. So tau is eliminated in one of two charts, each well conditioned where it is used:
+//   flat rays  (|dz| < a):  B = 0 by starting at the closest approach c to the axis, and on the branch s = +-1
+//                           g(u) = (z(u) - z0) - s (dz / a) sqrt((r - c)(r + c)),
+//   steep rays:             g(u) = r(u) - sqrt(C + tau (2 B + A tau)),  tau = (z(u) - z0) / dz.
+// A root of g is bracketed on a monotone piece, then polished in (u, tau) together.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "meridian.hpp"
+#include "vector.hpp"
+
+namespace glass {
+
+class Revolved {
+  public:
+    Revolved(const std::vector<Segment>& meridian, const Vector& base, const Vector& axis) : base_(base) {
+        const Vector away = std::fabs(axis.x) < 0.6 ? Vector{1, 0, 0} : Vector{0, 1, 0};
+        rotation_.row[2] = normalised(axis);
+        rotation_.row[0] = normalised(away - dot(away, rotation_.row[2]) * rotation_.row[2]);
+        rotation_.row[1] = cross(rotation_.row[2], rotation_.row[0]);
+        MeridianCutter cutter;
+        for (const Segment& segment : meridian) cutter.add(segment);
+        pieces_ = std::move(cutter.pieces);
+        double r_max = 0.0;
+        z_low_ = INFINITY;
+        z_high_ = -INFINITY;
+        for (const Piece& p : pieces_) {
+            r_max = std::fmax(r_max, std::fmax(p.r_start, p.r_end));
+            z_low_ = std::fmin(z_low_, std::fmin(p.z_start, p.z_end));
+            z_high_ = std::fmax(z_high_, std::fmax(p.z_start, p.z_end));
+        }
+        for (const double z : {z_low_, z_high_}) {
+            const Vector centre = base_ + z * rotation_.row[2];
+            const Vector& n = rotation_.row[2];
+            const Vector reach = {r_max * std::sqrt(std::fmax(0.0, 1.0 - n.x * n.x)),
+                                  r_max * std::sqrt(std::fmax(0.0, 1.0 - n.y * n.y)),
+                                  r_max * std::sqrt(std::fmax(0.0, 1.0 - n.z * n.z))};
+            bounds_.include(centre - reach);
+            bounds_.include(centre + reach);
+        }
+        margin_ = 1e-9 * std::fmax(r_max, z_high_ - z_low_);
+        std::vector<int> order(pieces_.size());
+        for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
+        root_ = build(order.data(), static_cast<int>(order.size()));
+    }
+
+    const Box& bounds() const { return bounds_; }
+
+    template <class Visit>
+    void crossings(const Ray& ray, double t_min, const double& t_best, Visit&& visit) const {
+        const Chart chart(*this, ray);
+        walk(chart, t_min, t_best, visit);
+    }
+
+    void place(const Ray& ray, const Hit& hit, Vector& point, Vector& normal) const {
+        const Vector o = rotation_.to_local(ray.origin - base_), d = rotation_.to_local(ray.direction);
+        const double x = o.x + hit.t * d.x, y = o.y + hit.t * d.y;
+        const CurvePoint c = pieces_[hit.part].at(hit.u);
+        const double r = std::sqrt(x * x + y * y);
+        const double ex = r > 0.0 ? x / r : 1.0, ey = r > 0.0 ? y / r : 0.0;
+        const double radius = std::fmax(c.r, 0.0);
+        point = base_ + rotation_.to_world({radius * ex, radius * ey, c.z});
+        // A collapsed control polygon has no tangent at its end; the chord's stands in for it.
+        double dr = c.dr, dz = c.dz;
+        if (dr == 0.0 && dz == 0.0) {
+            const Piece& p = pieces_[hit.part];
+            dr = p.r_end - p.r_start;
+            dz = p.z_end - p.z_start;
+        }
+        const double scale = 1.0 / std::sqrt(dr * dr + dz * dz);
+        normal = rotation_.to_world({scale * dz * ex, scale * dz * ey, -scale * dr});
+    }
+
+    Vector facet_normal(const Hit&, const Vector& normal) const { return normal; }
+
+  private:
+    static constexpr int width = 8;
+
+    struct alignas(64) Node {
+        double r2_low[width], r2_high[width], z_low[width], z_high[width];
+        std::int32_t child[width];  // a node, or ~piece
+        int count = 0;
+    };
+
+    struct Chart {
+        double A, B, C, z0, dz;
+        double c, a, slope;  // closest approach, horizontal speed, dz / a
+        double shift;        // tau = t - shift
+        double inverse_dz, inverse_A;
+        double px, py, dx, dy;
+        bool flat;
+
+        Chart(const Revolved& body, const Ray& ray) {
+            const Vector o = body.rotation_.to_local(ray.origin - body.base_);
+            const Vector d = body.rotation_.to_local(ray.direction);
+            dx = d.x;
+            dy = d.y;
+            dz = d.z;
+            A = dx * dx + dy * dy;
+            flat = dz * dz < A;
+            shift = A > 0.0 ? -(o.x * dx + o.y * dy) / A : 0.0;
+            if (!flat) {
+                const double low = (body.z_low_ - o.z) / dz, high = (body.z_high_ - o.z) / dz;
+                shift = std::fmin(std::fmax(shift, std::fmin(low, high)), std::fmax(low, high));
+            }
+            px = o.x + shift * dx;
+            py = o.y + shift * dy;
+            z0 = o.z + shift * dz;
+            C = px * px + py * py;
+            c = std::sqrt(C);
+            B = flat ? 0.0 : px * dx + py * dy;
+            a = std::sqrt(A);
+            slope = flat ? dz / a : 0.0;
+            inverse_A = A > 1e-200 ? 1.0 / A : 0.0;
+            inverse_dz = std::fabs(dz) > 1e-290 ? 1.0 / dz : 1e290;
+        }
+    };
+
+    int build(int* first, int count) {
+        nodes_.emplace_back();
+        const int index = static_cast<int>(nodes_.size()) - 1;
+        // Groups of neighbouring pieces along the chain: a chain is its own best hierarchy.
+        int groups = 1;
+        while (groups * width < count) groups *= width;
+        const int size = count <= width ? 1 : groups;
+        for (int start = 0, k = 0; start < count; start += size, ++k) {
+            const int n = std::min(size, count - start);
+            double r_low = INFINITY, r_high = 0.0, z_low = INFINITY, z_high = -INFINITY;
+            for (int i = start; i < start + n; ++i) {
+                const Piece& p = pieces_[first[i]];
+                r_low = std::fmin(r_low, std::fmin(p.r_start, p.r_end));
+                r_high = std::fmax(r_high, std::fmax(p.r_start, p.r_end));
+                z_low = std::fmin(z_low, std::fmin(p.z_start, p.z_end));
+                z_high = std::fmax(z_high, std::fmax(p.z_start, p.z_end));
+            }
+            r_low = std::fmax(r_low - margin_, 0.0);
+            r_high += margin_;
+            const int child = n == 1 ? ~first[start] : build(first + start, n);
+            Node& node = nodes_[index];
+            node.r2_low[k] = r_low * r_low;
+            node.r2_high[k] = r_high * r_high;
+            node.z_low[k] = z_low - margin_;
+            node.z_high[k] = z_high + margin_;
+            node.child[k] = child;
+            node.count = k + 1;
+        }
+        Node& node = nodes_[index];
+        for (int k = node.count; k < width; ++k) {
+            node.r2_low[k] = 1e300;
+            node.r2_high[k] = -1.0;
+            node.z_low[k] = 1e150;
+            node.z_high[k] = 1e150;
+            node.child[k] = 0;
+        }
+        return index;
+    }
+
+    // For each child the interval of tau in which the ray can be inside its box: the slab of z, then the annulus of r,
+    // whose r^2 is a convex function of tau.
+    static void reach(const Node& node, const Chart& ray, double tau_low, double tau_high, double (&low)[width],
+                      double (&high)[width]) {
+        for (int k = 0; k < width; ++k) {
+            const double t1 = (node.z_low[k] - ray.z0) * ray.inverse_dz;
+            const double t2 = (node.z_high[k] - ray.z0) * ray.inverse_dz;
+            double lo = t1 < t2 ? t1 : t2;
+            double hi = t1 < t2 ? t2 : t1;
+            lo = lo > tau_low ? lo : tau_low;
+            hi = hi < tau_high ? hi : tau_high;
+            if (ray.flat) {
+                const double outer = (node.r2_high[k] - ray.C) * ray.inverse_A;
+                const double inner = (node.r2_low[k] - ray.C) * ray.inverse_A;
+                const double far = std::sqrt(outer > 0.0 ? outer : 0.0);
+                const double near = std::sqrt(inner > 0.0 ? inner : 0.0);
+                lo = lo > -far ? lo : -far;
+                hi = hi < far ? hi : far;
+                lo = lo > -near && lo < near ? near : lo;
+                hi = hi > -near && hi < near ? -near : hi;
+                hi = outer < 0.0 ? -INFINITY : hi;
+            } else {
+                const double bottom = -ray.B * ray.inverse_A;
+                const double nearest = bottom < lo ? lo : bottom > hi ? hi : bottom;
+                const double r2_min = ray.C + nearest * (2.0 * ray.B + nearest * ray.A);
+                const double r2_lo = ray.C + lo * (2.0 * ray.B + lo * ray.A);
+                const double r2_hi = ray.C + hi * (2.0 * ray.B + hi * ray.A);
+                const double r2_max = r2_lo > r2_hi ? r2_lo : r2_hi;
+                hi = r2_min > node.r2_high[k] || r2_max < node.r2_low[k] ? -INFINITY : hi;
+            }
+            low[k] = lo;
+            high[k] = hi;
+        }
+    }
+
+    template <class Visit>
+    void walk(const Chart& ray, double t_min, const double& t_best, Visit&& visit) const {
+        struct Entry {
+            double low, high;
+            std::int32_t child;
+        };
+        Entry stack[8 * width];
+        int depth = 0;
+        stack[depth++] = {t_min - ray.shift, INFINITY, root_};
+        while (depth > 0) {
+            const Entry entry = stack[--depth];
+            if (entry.low > t_best - ray.shift) continue;
+            if (entry.child < 0) {
+                solve(ray, ~entry.child, entry.low, entry.high, visit);
+                continue;
+            }
+            const Node& node = nodes_[entry.child];
+            alignas(64) double low[width], high[width];
+            const double slack = margin_;
+            reach(node, ray, t_min - ray.shift - slack, t_best - ray.shift + slack, low, high);
+            // Nearest last, so that it is taken first.
+            const int first = depth;
+            for (int k = 0; k < node.count; ++k) {
+                if (!(low[k] <= high[k])) continue;
+                int place = depth++;
+                while (place > first && stack[place - 1].low < low[k]) {
+                    stack[place] = stack[place - 1];
+                    --place;
+                }
+                stack[place] = {low[k], high[k], node.child[k]};
+            }
+        }
+    }
+
+    template <class Visit>
+    void solve(const Chart& ray, int number, double tau_low, double tau_high, Visit&& visit) const {
+        const Piece& piece = pieces_[number];
+        if (!ray.flat) {
+            solve_chart(SteepChart{ray, piece}, ray, number, 0.0, 1.0, visit);
+            return;
+        }
+        const double far = std::fmax(piece.r_start, piece.r_end), near = std::fmin(piece.r_start, piece.r_end);
+        if (far < ray.c) return;
+        double u_low = 0.0, u_high = 1.0;
+        bool start_clipped = false, end_clipped = false;
+        if (near < ray.c) {
+            const double u = parameter_at_radius(piece, ray.c);
+            start_clipped = piece.r_start < piece.r_end;
+            end_clipped = !start_clipped;
+            (start_clipped ? u_low : u_high) = u;
+        }
+        for (const double side : {-1.0, 1.0}) {
+            if (side < 0.0 ? tau_low > 0.0 : tau_high < 0.0) continue;
+            solve_chart(FlatChart{ray, piece, side, start_clipped, end_clipped}, ray, number, u_low, u_high, visit);
+        }
+    }
+
+    struct Value {
+        double g, slope;
+    };
+
+    struct FlatChart {
+        const Chart& ray;
+        const Piece& piece;
+        double side;
+        bool start_clipped, end_clipped;
+
+        Value at(double u) const {
+            const CurvePoint p = piece.at(u);
+            const double difference = (p.r - ray.c) * (p.r + ray.c);
+            const double root = std::sqrt(difference > 0.0 ? difference : 0.0);
+            const double k = side * ray.slope;
+            const double bend = k * p.r * p.dr;
+            return {(p.z - ray.z0) - k * root, p.dz - (root > 0.0 ? bend / root : bend * 1e200)};
+        }
+        // At the closest approach both branches meet; taking the root as zero makes both see the same sign there.
+        Value clipped(double u) const {
+            const CurvePoint p = piece.at(u);
+            return {p.z - ray.z0, p.dz - side * ray.slope * p.r * p.dr * 1e200};
+        }
+        double joint(double r, double z) const {
+            const double difference = (r - ray.c) * (r + ray.c);
+            return (z - ray.z0) - side * ray.slope * std::sqrt(difference > 0.0 ? difference : 0.0);
+        }
+        double g_start(double u) const { return start_clipped ? clipped(u).g : joint(piece.r_start, piece.z_start); }
+        double g_end(double u) const { return end_clipped ? clipped(u).g : joint(piece.r_end, piece.z_end); }
+        double slope_start(double u) const { return start_clipped ? clipped(u).slope : at(u).slope; }
+        double slope_end(double u) const { return end_clipped ? clipped(u).slope : at(u).slope; }
+        double tau(const CurvePoint& p) const {
+            const double difference = (p.r - ray.c) * (p.r + ray.c);
+            return side * std::sqrt(difference > 0.0 ? difference : 0.0) / ray.a;
+        }
+    };
+
+    struct SteepChart {
+        const Chart& ray;
+        const Piece& piece;
+
+        Value at(double u) const {
+            const CurvePoint p = piece.at(u);
+            const double t = (p.z - ray.z0) * ray.inverse_dz;
+            const double r2 = ray.C + t * (2.0 * ray.B + t * ray.A);
+            const double r = std::sqrt(r2 > 0.0 ? r2 : 0.0);
+            const double climb = (ray.B + ray.A * t) * p.dz * ray.inverse_dz;
+            return {p.r - r, p.dr - (r > 0.0 ? climb / r : 0.0)};
+        }
+        double joint(double r, double z) const {
+            const double t = (z - ray.z0) * ray.inverse_dz;
+            const double r2 = ray.C + t * (2.0 * ray.B + t * ray.A);
+            return r - std::sqrt(r2 > 0.0 ? r2 : 0.0);
+        }
+        double g_start(double) const { return joint(piece.r_start, piece.z_start); }
+        double g_end(double) const { return joint(piece.r_end, piece.z_end); }
+        double slope_start(double u) const { return at(u).slope; }
+        double slope_end(double u) const { return at(u).slope; }
+        double tau(const CurvePoint& p) const { return (p.z - ray.z0) * ray.inverse_dz; }
+    };
+
+    static double parameter_at_radius(const Piece& piece, double radius) {
+        double low = 0.0, high = 1.0;
+        const bool rising = piece.r_end > piece.r_start;
+        double u = (radius - piece.r_start) / (piece.r_end - piece.r_start);
+        for (int i = 0; i < 60; ++i) {
+            const CurvePoint p = piece.at(u);
+            ((p.r < radius) == rising ? low : high) = u;
+            double next = u - (p.r - radius) / p.dr;
+            if (!(next > low && next < high)) next = 0.5 * (low + high);
+            if (std::fabs(next - u) < 1e-15) break;
+            u = next;
+        }
+        return u;
+    }
+
+    template <class Function, class Visit>
+    void solve_chart(const Function& function, const Chart& ray, int number, double u_low, double u_high,
+                     Visit&& visit) const {
+        const double g_low = function.g_start(u_low), g_high = function.g_end(u_high);
+        if ((g_low >= 0.0) != (g_high >= 0.0)) {
+            report(function, ray, number, root(function, u_low, g_low, u_high, g_high), visit);
+            return;
+        }
+        // Same sign at both ends: no root, or two on either side of an extremum that points at zero.
+        const double slope_low = function.slope_start(u_low), slope_high = function.slope_end(u_high);
+        const double sign = g_low >= 0.0 ? 1.0 : -1.0;
+        if (!(sign * slope_low < 0.0 && sign * slope_high > 0.0)) return;
+        const double span = u_high - u_low;
+        if (std::fabs(slope_low) < 1e100 && std::fabs(slope_high) < 1e100) {
+            // Where the two end tangents meet bounds a convex function from below.
+            const double reach =
+                (g_low * slope_high - g_high * slope_low + slope_low * slope_high * span) / (slope_high - slope_low);
+            if (sign * reach > 0.25 * std::fmin(std::fabs(g_low), std::fabs(g_high))) return;
+        }
+        double low = u_low, high = u_high;
+        for (int i = 0; i < 60; ++i) {
+            const double middle = 0.5 * (low + high);
+            const Value value = function.at(middle);
+            if ((value.g >= 0.0) != (sign > 0.0)) {
+                report(function, ray, number, root(function, u_low, g_low, middle, value.g), visit);
+                report(function, ray, number, root(function, middle, value.g, u_high, g_high), visit);
+                return;
+            }
+            if (value.slope == 0.0 || high - low < 1e-15) return;
+            (sign * value.slope < 0.0 ? low : high) = middle;
+        }
+    }
+
+    // Newton within a bracket, by bisection where Newton leaves it.
+    template <class Function>
+    static double root(const Function& function, double low, double g_low, double high, double g_high) {
+        const bool rising = g_low < 0.0;
+        double u = low + (high - low) * (g_low / (g_low - g_high));
+        if (!(u > low && u < high)) u = 0.5 * (low + high);
+        for (int i = 0; i < 80; ++i) {
+            const Value value = function.at(u);
+            ((value.g < 0.0) == rising ? low : high) = u;
+            double next = u - value.g / value.slope;
+            if (!(next >= low && next <= high)) next = 0.5 * (low + high);
+            const double step = std::fabs(next - u);
+            u = next;
+            if (step < 1e-9) break;
+        }
+        return u;
+    }
+
+    template <class Function, class Visit>
+    void report(const Function& function, const Chart& ray, int number, double u, Visit&& visit) const {
+        const Piece& piece = pieces_[number];
+        CurvePoint p = piece.at(u);
+        double tau = function.tau(p);
+        double crossing = 0.0;
+        for (int i = 0; i < 2; ++i) {
+            const double f1 = ray.C + tau * (2.0 * ray.B + tau * ray.A) - p.r * p.r;
+            const double f2 = ray.z0 + tau * ray.dz - p.z;
+            const double climb = ray.B + ray.A * tau;
+            const double rr = p.r * p.dr;
+            const double determinant = 2.0 * (rr * ray.dz - climb * p.dz);
+            crossing = -determinant;
+            const double d_tau = (f1 * p.dz - 2.0 * rr * f2) / determinant;
+            const double d_u = (f1 * ray.dz - 2.0 * climb * f2) / determinant;
+            // Near a tangency the system is singular; the bracketed root is then the better answer.
+            if (!(std::fabs(d_u) < 1e-6) || !(std::fabs(d_tau) < margin_ * 1e3)) break;
+            if (u + d_u < 0.0 || u + d_u > 1.0) {
+                tau += d_tau;
+                break;
+            }
+            u += d_u;
+            tau += d_tau;
+            if (std::fabs(d_u) < 1e-12) break;
+            p = piece.at(u);
+        }
+        visit(Hit{tau + ray.shift, crossing < 0.0, number, u, 0.0});
+    }
+
+    std::vector<Piece> pieces_;
+    std::vector<Node> nodes_;
+    int root_ = 0;
+    Vector base_;
+    Rotation rotation_;
+    Box bounds_;
+    double z_low_, z_high_, margin_;
+};
+
+}  // namespace glass

@@ -1,0 +1,107 @@
+// Bodies, the media in them, lights and the camera.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <variant>
+#include <vector>
+
+#include "ellipsoid.hpp"
+#include "mesh.hpp"
+#include "revolved.hpp"
+#include "vector.hpp"
+
+namespace glass {
+
+struct Colour {
+    double r = 0.0, g = 0.0, b = 0.0;
+
+    double largest() const { return std::fmax(r, std::fmax(g, b)); }
+};
+
+inline Colour operator*(const Colour& a, const Colour& b) { return {a.r * b.r, a.g * b.g, a.b * b.b}; }
+inline Colour operator*(double s, const Colour& a) { return {s * a.r, s * a.g, s * a.b}; }
+inline Colour operator+(const Colour& a, const Colour& b) { return {a.r + b.r, a.g + b.g, a.b + b.b}; }
+
+struct Medium {
+    double refractive_index = 1.0;
+    Colour absorption_per_mm;
+};
+
+struct Panel {
+    Vector origin, u, v, normal;
+    double uu, uv, vv, inverse;
+    Colour radiance;
+
+    Panel(const Vector& origin, const Vector& u, const Vector& v, const Colour& radiance)
+        : origin(origin), u(u), v(v), normal(cross(u, v)), uu(dot(u, u)), uv(dot(u, v)), vv(dot(v, v)),
+          inverse(1.0 / (uu * vv - uv * uv)), radiance(radiance) {}
+
+    // Distance at which the ray meets the panel, or infinity.
+    double distance(const Ray& ray) const {
+        const double t = dot(origin - ray.origin, normal) / dot(ray.direction, normal);
+        if (!(t > 0.0)) return INFINITY;
+        const Vector p = ray.at(t) - origin;
+        const double pu = dot(p, u), pv = dot(p, v);
+        const double a = (pu * vv - pv * uv) * inverse, b = (pv * uu - pu * uv) * inverse;
+        return a >= 0.0 && a <= 1.0 && b >= 0.0 && b <= 1.0 ? t : INFINITY;
+    }
+};
+
+struct Environment {
+    std::int64_t height = 0, width = 0;
+    std::vector<Colour> pixels;
+
+    Colour radiance(const Vector& d) const {
+        if (pixels.empty()) return {};
+        if (pixels.size() == 1) return pixels.front();
+        const double polar = std::atan2(std::sqrt(d.x * d.x + d.y * d.y), d.z);
+        const double row = std::fmin(std::fmax(polar / M_PI * height - 0.5, 0.0), height - 1.0);
+        const double column = (std::atan2(d.y, d.x) / (2.0 * M_PI) + 0.5) * width - 0.5;
+        const std::int64_t top = std::min(static_cast<std::int64_t>(row), std::max<std::int64_t>(height - 2, 0));
+        const std::int64_t bottom = std::min(top + 1, height - 1);
+        const double whole = std::floor(column);
+        const std::int64_t left = (static_cast<std::int64_t>(whole) + width) % width, right = (left + 1) % width;
+        const double y = row - top, x = column - whole;
+        const auto pixel = [&](std::int64_t i, std::int64_t j) { return pixels[i * width + j]; };
+        return (1.0 - y) * ((1.0 - x) * pixel(top, left) + x * pixel(top, right)) +
+               y * ((1.0 - x) * pixel(bottom, left) + x * pixel(bottom, right));
+    }
+};
+
+struct Camera {
+    bool parallel = false;  // telecentric: rays start side by side instead of fanning out
+    Vector origin, right, up, forward;
+    double half_height = 1.0;  // of the image: in mm if parallel, else at distance 1
+    double width = 1.0, height = 1.0;
+
+    // The ray of an image point in pixels from the upper left corner.
+    Ray ray(double column, double row) const {
+        const double x = (2.0 * column - width) / height * half_height;
+        const double y = (1.0 - 2.0 * row / height) * half_height;
+        const Vector offset = x * right + y * up;
+        if (parallel) return {origin + offset, forward};
+        return {origin, normalised(forward + offset)};
+    }
+};
+
+using Surface = std::variant<Revolved, Mesh, Ellipsoid>;
+
+struct Scene {
+    std::vector<Surface> bodies;
+    std::vector<std::int32_t> medium_of_bits;
+    std::vector<Medium> media;
+    std::vector<Panel> panels;
+    Environment environment;
+    double brightest = 0.0;
+    double start_tolerance = 0.0;  // mm; nearer than this a crossing may be the surface that the ray starts on
+
+    void finish() {
+        double size = 0.0;
+        for (const Surface& body : bodies)
+            size = std::fmax(size, std::visit([](const auto& s) { return s.bounds().largest_coordinate(); }, body));
+        start_tolerance = 1e-9 * size;
+    }
+};
+
+}  // namespace glass

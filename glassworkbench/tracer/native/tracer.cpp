@@ -1,0 +1,265 @@
+// The C interface: turns arrays into a scene, and shares the work out over threads.
+#if defined(__GNUC__)
+#define GLASS_EXPORT __attribute__((visibility("default")))
+#else
+#define GLASS_EXPORT
+#endif
+#include "tracer.h"
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <memory>
+#include <thread>
+
+#include "sampling.hpp"
+#include "scene.hpp"
+#include "transport.hpp"
+
+struct glass_scene {
+    glass::Scene scene;
+};
+
+namespace {
+
+using glass::Vector;
+
+Vector vector(const double* p) { return {p[0], p[1], p[2]}; }
+glass::Colour colour(const double* p) { return {p[0], p[1], p[2]}; }
+
+template <class Work>
+std::int32_t guarded(Work&& work) {
+    try {
+        return work();
+    } catch (const std::exception&) {
+        return GLASS_FAILED;
+    }
+}
+
+// Runs work(i) for i in [0, n), in chunks that threads take in turn. Which thread does which chunk changes nothing:
+// each i writes its own results.
+template <class Work>
+std::int32_t share(std::int64_t n, std::int32_t threads, glass_control* control, Work&& work) {
+    constexpr std::int64_t chunk = 16;
+    std::atomic<std::int64_t> next{0};
+    const auto cancelled = [&] { return __atomic_load_n(&control->cancel, __ATOMIC_RELAXED) != 0; };
+    const auto run = [&] {
+        for (;;) {
+            const std::int64_t first = next.fetch_add(chunk, std::memory_order_relaxed);
+            if (first >= n || cancelled()) return;
+            const std::int64_t last = std::min(n, first + chunk);
+            for (std::int64_t i = first; i < last; ++i) work(i);
+            __atomic_fetch_add(&control->done, last - first, __ATOMIC_RELAXED);
+        }
+    };
+    std::vector<std::thread> others;
+    for (std::int32_t k = 1; k < threads; ++k) others.emplace_back(run);
+    run();
+    for (std::thread& other : others) other.join();
+    return cancelled() ? GLASS_CANCELLED : GLASS_OK;
+}
+
+glass::Settings settings_from(const glass_settings& s) {
+    return {s.cutoff, std::clamp<std::int32_t>(s.maximum_depth, 1, 1000), s.absorption != 0};
+}
+
+template <class Surface>
+std::int32_t add(glass_scene* scene, Surface&& surface) {
+    scene->scene.bodies.emplace_back(std::forward<Surface>(surface));
+    return GLASS_OK;
+}
+
+}  // namespace
+
+extern "C" {
+
+GLASS_EXPORT int32_t glass_interface_version(void) { return GLASS_INTERFACE_VERSION; }
+
+GLASS_EXPORT int32_t glass_vector_width(void) {
+#if defined(__x86_64__)
+    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq") &&
+        __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512cd"))
+        return 8;
+    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2")) return 4;
+#endif
+    return 2;
+}
+
+GLASS_EXPORT glass_scene* glass_scene_new(void) {
+    try {
+        return std::make_unique<glass_scene>().release();
+    } catch (const std::exception&) {
+        return nullptr;
+    }
+}
+
+GLASS_EXPORT void glass_scene_free(glass_scene* scene) { std::unique_ptr<glass_scene>{scene}; }
+
+GLASS_EXPORT int32_t glass_add_revolved(glass_scene* scene, const double* meridian, int64_t n, const double* base,
+                                        const double* axis) {
+    return guarded([&] {
+        std::vector<glass::Segment> segments(static_cast<std::size_t>(n));
+        for (glass::Segment& segment : segments)
+            for (glass::Control& control : segment) {
+                control = {meridian[0], meridian[1], meridian[2]};
+                meridian += 3;
+            }
+        return add(scene, glass::Revolved(segments, vector(base), vector(axis)));
+    });
+}
+
+GLASS_EXPORT int32_t glass_add_mesh(glass_scene* scene, const double* vertices, const double* normals,
+                                    int64_t vertex_count, const int32_t* triangles, int64_t triangle_count) {
+    return guarded([&] {
+        std::vector<Vector> points(static_cast<std::size_t>(vertex_count)), directions(points.size());
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            points[i] = vector(vertices + 3 * i);
+            directions[i] = vector(normals + 3 * i);
+        }
+        std::vector<glass::Mesh::Triangle> corners(static_cast<std::size_t>(triangle_count));
+        for (std::size_t i = 0; i < corners.size(); ++i)
+            corners[i] = {triangles[3 * i], triangles[3 * i + 1], triangles[3 * i + 2]};
+        return add(scene, glass::Mesh(std::move(points), std::move(directions), std::move(corners)));
+    });
+}
+
+GLASS_EXPORT int32_t glass_add_ellipsoid(glass_scene* scene, const double* centre, const double* semi_axes,
+                                         const double* rotation) {
+    return guarded([&] {
+        glass::Rotation frame;
+        for (int k = 0; k < 3; ++k) frame.row[k] = {rotation[k], rotation[3 + k], rotation[6 + k]};
+        return add(scene, glass::Ellipsoid(vector(centre), vector(semi_axes), frame));
+    });
+}
+
+GLASS_EXPORT int32_t glass_set_media(glass_scene* scene, const int32_t* medium_of_bits, int64_t combinations,
+                                     const double* refractive_indices, const double* absorptions, int64_t media) {
+    return guarded([&] {
+        scene->scene.medium_of_bits.assign(medium_of_bits, medium_of_bits + combinations);
+        for (int64_t k = 0; k < media; ++k)
+            scene->scene.media.push_back({refractive_indices[k], colour(absorptions + 3 * k)});
+        return GLASS_OK;
+    });
+}
+
+GLASS_EXPORT int32_t glass_add_panel(glass_scene* scene, const double* origin, const double* u, const double* v,
+                                     const double* radiance) {
+    return guarded([&] {
+        scene->scene.panels.emplace_back(vector(origin), vector(u), vector(v), colour(radiance));
+        return GLASS_OK;
+    });
+}
+
+GLASS_EXPORT int32_t glass_set_environment(glass_scene* scene, const double* pixels, int64_t height, int64_t width) {
+    return guarded([&] {
+        glass::Environment& environment = scene->scene.environment;
+        environment.height = height;
+        environment.width = width;
+        environment.pixels.resize(static_cast<std::size_t>(height * width));
+        for (std::size_t i = 0; i < environment.pixels.size(); ++i) environment.pixels[i] = colour(pixels + 3 * i);
+        return GLASS_OK;
+    });
+}
+
+GLASS_EXPORT int32_t glass_finish(glass_scene* scene, double brightest) {
+    scene->scene.brightest = brightest;
+    scene->scene.finish();
+    return GLASS_OK;
+}
+
+GLASS_EXPORT int32_t glass_radiance(const glass_scene* scene, const glass_settings* settings, int32_t threads,
+                                    glass_control* control, int64_t n, const double* origins, const double* directions,
+                                    double* radiance, double* bound, double* depth, int64_t* crossings,
+                                    int64_t* leaks) {
+    return guarded([&] {
+        const glass::Settings chosen = settings_from(*settings);
+        const glass::Transport transport(scene->scene, chosen);
+        return share(n, threads, control, [&](std::int64_t i) {
+            const glass::Ray ray{vector(origins + 3 * i), glass::normalised(vector(directions + 3 * i))};
+            const glass::Answer answer = transport.radiance(ray);
+            radiance[3 * i] = answer.radiance.r;
+            radiance[3 * i + 1] = answer.radiance.g;
+            radiance[3 * i + 2] = answer.radiance.b;
+            bound[i] = answer.bound;
+            depth[i] = answer.depth;
+            crossings[i] = answer.crossings;
+            leaks[i] = answer.leaks;
+        });
+    });
+}
+
+GLASS_EXPORT int32_t glass_sample(const glass_scene* scene, const glass_settings* settings, const glass_camera* camera,
+                                  int32_t threads, glass_control* control, int64_t n, const int64_t* pixels,
+                                  uint32_t first, uint32_t last, double* sum, double* low, double* high, double* bound,
+                                  double* depth, int64_t* totals) {
+    return guarded([&] {
+        const glass::Settings chosen = settings_from(*settings);
+        const glass::Transport transport(scene->scene, chosen);
+        glass::Camera view;
+        view.parallel = camera->parallel != 0;
+        view.origin = vector(camera->origin);
+        view.right = vector(camera->right);
+        view.up = vector(camera->up);
+        view.forward = vector(camera->forward);
+        view.half_height = camera->half_height;
+        view.width = camera->width;
+        view.height = camera->height;
+        std::atomic<std::int64_t> crossings{0}, leaks{0};
+        const std::int32_t outcome = share(n, threads, control, [&](std::int64_t i) {
+            const std::int64_t pixel = pixels[i];
+            const double column = static_cast<double>(pixel % camera->width);
+            const double row = static_cast<double>(pixel / camera->width);
+            std::int64_t crossed = 0, leaked = 0;
+            for (std::uint32_t number = first; number < last; ++number) {
+                const glass::SamplePoint point = glass::sample_point(pixel, number);
+                const glass::Answer answer = transport.radiance(view.ray(column + point.x, row + point.y));
+                const double value[3] = {answer.radiance.r, answer.radiance.g, answer.radiance.b};
+                for (int channel = 0; channel < 3; ++channel) {
+                    const std::int64_t k = 3 * pixel + channel;
+                    sum[k] += value[channel];
+                    low[k] = std::fmin(low[k], value[channel]);
+                    high[k] = std::fmax(high[k], value[channel]);
+                }
+                bound[pixel] += answer.bound;
+                if (number == 0) depth[pixel] = answer.depth;
+                crossed += answer.crossings;
+                leaked += answer.leaks;
+            }
+            crossings.fetch_add(crossed, std::memory_order_relaxed);
+            leaks.fetch_add(leaked, std::memory_order_relaxed);
+        });
+        totals[0] += n * static_cast<std::int64_t>(last - first);
+        totals[1] += crossings.load();
+        totals[2] += leaks.load();
+        return outcome;
+    });
+}
+
+GLASS_EXPORT int64_t glass_follow(const glass_scene* scene, const double* origin, const double* direction, int64_t room,
+                                  int32_t* numbers, double* values) {
+    try {
+        const glass::Settings settings;
+        int64_t count = 0;
+        glass::Transport(scene->scene, settings)
+            .follow({vector(origin), glass::normalised(vector(direction))}, [&](const glass::Crossing& c) {
+                if (count >= room) return false;
+                int32_t* const n = numbers + 4 * count;
+                double* const v = values + 5 * count;
+                n[0] = c.body;
+                n[1] = c.entering;
+                n[2] = c.medium_before;
+                n[3] = c.medium_after;
+                v[0] = c.point.x;
+                v[1] = c.point.y;
+                v[2] = c.point.z;
+                v[3] = c.cos_incident;
+                v[4] = c.reflectance;
+                return ++count < room;
+            });
+        return count;
+    } catch (const std::exception&) {
+        return -1;
+    }
+}
+
+}  // extern "C"

@@ -1,0 +1,79 @@
+/* The C interface of the tracer. Lengths in mm; arrays are contiguous float64 unless said otherwise.
+   Functions return GLASS_OK, GLASS_CANCELLED or GLASS_FAILED; nothing throws across this line. */
+#ifndef GLASSWORKBENCH_TRACER_H
+#define GLASSWORKBENCH_TRACER_H
+
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define GLASS_INTERFACE_VERSION 1
+#define GLASS_OK 0
+#define GLASS_CANCELLED 1
+#define GLASS_FAILED 2
+
+typedef struct glass_scene glass_scene;
+
+typedef struct {
+    double cutoff;         /* weights below it are left out, into the bound */
+    int32_t maximum_depth; /* interfaces along a path, at most 1000 */
+    int32_t absorption;    /* 0: the effect is not compiled into the loop at all */
+} glass_settings;
+
+typedef struct {
+    int32_t parallel; /* 0 pinhole, 1 telecentric */
+    int32_t width, height;
+    double origin[3], right[3], up[3], forward[3];
+    double half_height; /* of the image: mm if parallel, else at distance 1 */
+} glass_camera;
+
+/* Shared with the caller while a call runs: it may set `cancel` and read `done` at any time. */
+typedef struct {
+    int32_t cancel;
+    int32_t reserved;
+    int64_t done;
+} glass_control;
+
+int32_t glass_interface_version(void);
+/* Width of the vector instructions this processor has: 2 (baseline), 4 (x86-64-v3) or 8 (x86-64-v4) doubles. */
+int32_t glass_vector_width(void);
+
+glass_scene* glass_scene_new(void);
+void glass_scene_free(glass_scene* scene);
+int32_t glass_add_revolved(glass_scene* scene, const double* meridian /* n x 4 x 3 */, int64_t n, const double* base,
+                           const double* axis);
+int32_t glass_add_mesh(glass_scene* scene, const double* vertices, const double* normals, int64_t vertex_count,
+                       const int32_t* triangles, int64_t triangle_count);
+int32_t glass_add_ellipsoid(glass_scene* scene, const double* centre, const double* semi_axes,
+                            const double* rotation /* 3 x 3, columns are the axes */);
+int32_t glass_set_media(glass_scene* scene, const int32_t* medium_of_bits, int64_t combinations,
+                        const double* refractive_indices, const double* absorptions /* media x 3 */, int64_t media);
+int32_t glass_add_panel(glass_scene* scene, const double* origin, const double* u, const double* v,
+                        const double* radiance);
+int32_t glass_set_environment(glass_scene* scene, const double* pixels /* h x w x 3 */, int64_t height, int64_t width);
+int32_t glass_finish(glass_scene* scene, double brightest);
+
+/* Any rays: radiance (n x 3), bound (n), depth_mm (n), crossings (n, int64), leaks (n, int64). */
+int32_t glass_radiance(const glass_scene* scene, const glass_settings* settings, int32_t threads,
+                       glass_control* control, int64_t n, const double* origins, const double* directions,
+                       double* radiance, double* bound, double* depth, int64_t* crossings, int64_t* leaks);
+
+/* Samples first..last-1 of the listed pixels, added to the image's arrays: sum, low and high (pixels x 3), bound
+   (pixels, summed), depth (pixels, of sample 0). totals (3): rays, crossings, leaks, added to. */
+int32_t glass_sample(const glass_scene* scene, const glass_settings* settings, const glass_camera* camera,
+                     int32_t threads, glass_control* control, int64_t n, const int64_t* pixels, uint32_t first,
+                     uint32_t last, double* sum, double* low, double* high, double* bound, double* depth,
+                     int64_t* totals);
+
+/* The refracted path of one ray, at most `room` interfaces; returns their number, or -1 if it failed.
+   numbers (room x 4, int32): body, entering, medium before, medium after; values (room x 5): point, cosine,
+   reflectance. */
+int64_t glass_follow(const glass_scene* scene, const double* origin, const double* direction, int64_t room,
+                     int32_t* numbers, double* values);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

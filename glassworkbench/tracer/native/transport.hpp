@@ -1,0 +1,267 @@
+// Light through smooth glass, without random numbers: at each interface the ray splits into its reflected and its
+// refracted part, the heavier is followed first, and parts lighter than the cut-off are left out. Their weight times
+// the brightest light bounds what is missing.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "fresnel.hpp"
+#include "scene.hpp"
+
+namespace glass {
+
+struct Settings {
+    double cutoff = 1e-3;
+    int maximum_depth = 256;
+    bool absorption = true;
+};
+
+struct Answer {
+    Colour radiance;
+    double bound = 0.0;
+    double depth = INFINITY;
+    std::int64_t crossings = 0;
+    std::int64_t leaks = 0;
+};
+
+struct Crossing {
+    Vector point;
+    int body;
+    bool entering;
+    int medium_before, medium_after;
+    double cos_incident, reflectance;
+};
+
+constexpr int longest_path = 4096;  // crossings of any kind along one path, interfaces or not
+constexpr int deepest = 1024;
+
+class Transport {
+  public:
+    Transport(const Scene& scene, const Settings& settings) : scene_(scene), settings_(settings) {}
+
+    Answer radiance(const Ray& camera_ray) const {
+        return settings_.absorption ? trace<true>(camera_ray) : trace<false>(camera_ray);
+    }
+
+    // The path of the refracted ray (the reflected one where reflection is total), interface by interface.
+    template <class Record>
+    void follow(const Ray& start, Record&& record) const {
+        Path path{start, {1, 1, 1}, inside_bits(start), 0, 0, -1};
+        Answer answer;
+        for (int i = 0; i < longest_path; ++i) {
+            const Next next = nearest(path);
+            if (next.body < 0) return;
+            const Meeting m = meet(path, next, answer);
+            if (m.medium_before != m.medium_after)
+                if (!record(Crossing{m.point, next.body, next.hit.entering, m.medium_before, m.medium_after, m.cosine,
+                                     m.interface.reflectance}))
+                    return;
+            path = m.interface.reflectance >= 1.0 ? reflected(path, next, m) : refracted(path, next, m);
+        }
+    }
+
+  private:
+    struct Path {
+        Ray ray;
+        Colour weight;
+        std::uint32_t bits;
+        int depth;      // interfaces so far
+        int crossings;  // crossings of any kind so far
+        int last_body;
+    };
+
+    struct Next {
+        Hit hit;
+        int body = -1;
+    };
+
+    struct Meeting {
+        Vector point, normal;  // the normal against the ray
+        std::uint32_t bits_after;
+        int medium_before, medium_after;
+        double cosine;
+        Interface interface;
+    };
+
+    std::uint32_t inside_bits(const Ray& ray) const {
+        std::uint32_t bits = 0;
+        for (std::size_t k = 0; k < scene_.bodies.size(); ++k) {
+            std::visit(
+                [&](const auto& surface) {
+                    if (!surface.bounds().contains(ray.origin)) return;
+                    int count = 0;
+                    const double everything = INFINITY;
+                    surface.crossings(ray, 0.0, everything, [&](const Hit& hit) { count += hit.t > 0.0; });
+                    bits |= static_cast<std::uint32_t>(count & 1) << k;
+                },
+                scene_.bodies[k]);
+        }
+        return bits;
+    }
+
+    Next nearest(const Path& path) const {
+        Next next;
+        double best = INFINITY;
+        const double tolerance = scene_.start_tolerance;
+        for (int k = 0; k < static_cast<int>(scene_.bodies.size()); ++k) {
+            const bool inside = (path.bits >> k) & 1u;
+            const double lowest = k == path.last_body ? 0.0 : -tolerance;
+            const auto visit = [&](const Hit& hit) {
+                if (!(hit.t > lowest) || !(hit.t < best)) return;
+                // Here already: the surface that the ray starts on or has just crossed.
+                if (hit.entering == inside && hit.t <= tolerance) return;
+                best = hit.t;
+                next.hit = hit;
+                next.body = k;
+            };
+            std::visit([&](const auto& surface) { surface.crossings(path.ray, lowest, best, visit); },
+                       scene_.bodies[k]);
+        }
+        next.hit.t = std::fmax(next.hit.t, 0.0);
+        return next;
+    }
+
+    Meeting meet(const Path& path, const Next& next, Answer& answer) const {
+        Meeting m;
+        const std::uint32_t bit = 1u << next.body;
+        answer.crossings += 1;
+        answer.leaks += next.hit.entering == ((path.bits & bit) != 0);
+        m.bits_after = next.hit.entering ? path.bits | bit : path.bits & ~bit;
+        m.medium_before = scene_.medium_of_bits[path.bits];
+        m.medium_after = scene_.medium_of_bits[m.bits_after];
+        const double n1 = scene_.media[m.medium_before].refractive_index;
+        const double n2 = scene_.media[m.medium_after].refractive_index;
+        std::visit(
+            [&](const auto& surface) {
+                Vector normal;
+                surface.place(path.ray, next.hit, m.point, normal);
+                if (m.medium_before == m.medium_after || n1 == n2) {
+                    m.normal = normal;
+                    m.cosine = 1.0;
+                    m.interface = {0.0, 1.0, 1.0};
+                    return;
+                }
+                meet_with(path, next, n1, n2, normal, m);
+                // A normal interpolated over a facet may send a ray to the facet's wrong side; the facet's own cannot.
+                const Vector facet = surface.facet_normal(next.hit, normal);
+                const double way = next.hit.entering ? 1.0 : -1.0;
+                const bool back = way * dot(facet, reflected_direction(path, m)) > 0.0;
+                const bool on = m.interface.reflectance >= 1.0 || way * dot(facet, refracted_direction(path, m)) < 0.0;
+                if (!back || !on) meet_with(path, next, n1, n2, facet, m);
+            },
+            scene_.bodies[next.body]);
+        return m;
+    }
+
+    static void meet_with(const Path& path, const Next& next, double n1, double n2, const Vector& normal, Meeting& m) {
+        m.normal = next.hit.entering ? normal : -normal;
+        m.cosine = std::fmin(std::fmax(-dot(path.ray.direction, m.normal), 0.0), 1.0);
+        m.interface = fresnel(m.cosine, n1, n2);
+    }
+
+    static Vector reflected_direction(const Path& path, const Meeting& m) {
+        return normalised(path.ray.direction + (2.0 * m.cosine) * m.normal);
+    }
+
+    static Vector refracted_direction(const Path& path, const Meeting& m) {
+        if (m.interface.ratio == 1.0) return path.ray.direction;
+        const double ratio = m.interface.ratio;
+        return normalised(ratio * path.ray.direction + (ratio * m.cosine - m.interface.cos_refracted) * m.normal);
+    }
+
+    static Path reflected(const Path& path, const Next& next, const Meeting& m) {
+        return {{m.point, reflected_direction(path, m)}, path.weight, path.bits, path.depth + 1, path.crossings + 1,
+                next.body};
+    }
+
+    static Path refracted(const Path& path, const Next& next, const Meeting& m) {
+        const bool interface = m.medium_before != m.medium_after;
+        return {{m.point, refracted_direction(path, m)}, path.weight, m.bits_after, path.depth + interface,
+                path.crossings + 1, next.body};
+    }
+
+    template <bool absorbing>
+    Answer trace(const Ray& camera_ray) const {
+        Answer answer;
+        Path waiting[deepest + 1];
+        int count = 0;
+        waiting[count++] = {camera_ray, {1, 1, 1}, inside_bits(camera_ray), 0, 0, -1};
+        double travelled = 0.0;
+        while (count > 0) {
+            Path path = waiting[--count];
+            for (;;) {
+                const Next next = nearest(path);
+                double end = next.hit.t;
+                const Panel* light = nullptr;
+                for (const Panel& panel : scene_.panels) {
+                    const double t = panel.distance(path.ray);
+                    if (t < end) {
+                        end = t;
+                        light = &panel;
+                    }
+                }
+                if (absorbing) {
+                    const Colour& alpha = scene_.media[scene_.medium_of_bits[path.bits]].absorption_per_mm;
+                    if (alpha.largest() > 0.0 && end < INFINITY)
+                        path.weight = path.weight * Colour{std::exp(-alpha.r * end), std::exp(-alpha.g * end),
+                                                           std::exp(-alpha.b * end)};
+                }
+                if (light != nullptr) {
+                    answer.radiance = answer.radiance + path.weight * light->radiance;
+                    break;
+                }
+                if (next.body < 0) {
+                    answer.leaks += path.bits != 0;
+                    answer.radiance = answer.radiance + path.weight * scene_.environment.radiance(path.ray.direction);
+                    break;
+                }
+                const Meeting m = meet(path, next, answer);
+                const bool first_path = path.depth == 0;
+                if (first_path) travelled += end;
+                if (m.medium_before != m.medium_after && first_path) answer.depth = travelled;
+                if (path.depth >= settings_.maximum_depth || path.crossings >= longest_path) {
+                    answer.bound += path.weight.largest() * scene_.brightest;
+                    break;
+                }
+                const double reflectance = m.interface.reflectance;
+                if (reflectance <= 0.0) {
+                    path = refracted(path, next, m);
+                    continue;
+                }
+                if (reflectance >= 1.0) {
+                    path = reflected(path, next, m);
+                    continue;
+                }
+                Path back = reflected(path, next, m), on = refracted(path, next, m);
+                back.weight = reflectance * path.weight;
+                on.weight = (1.0 - reflectance) * path.weight;
+                const bool back_counts = keep(back, answer), on_counts = keep(on, answer);
+                if (back_counts && on_counts) {
+                    const bool back_first = reflectance > 0.5;
+                    waiting[count++] = back_first ? on : back;
+                    path = back_first ? back : on;
+                } else if (back_counts) {
+                    path = back;
+                } else if (on_counts) {
+                    path = on;
+                } else {
+                    break;
+                }
+            }
+        }
+        return answer;
+    }
+
+    bool keep(const Path& path, Answer& answer) const {
+        const double weight = path.weight.largest();
+        if (weight >= settings_.cutoff) return true;
+        answer.bound += weight * scene_.brightest;
+        return false;
+    }
+
+    const Scene& scene_;
+    const Settings& settings_;
+};
+
+}  // namespace glass
