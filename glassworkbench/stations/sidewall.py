@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from glassworkbench.scene import ContainerGeometry, Panel, Pinhole
 from glassworkbench.stations.framing import framing_camera
 
@@ -37,13 +35,12 @@ def sidewall(
     """
     low, high = geometry.low_mm, geometry.high_mm
     width, _, height = high - low
-    corner = np.array(
-        [low[0] - panel_side_margin * width, high[1] + panel_gap * width, low[2] - panel_height_margin * height]
-    )
+    left, right = low[0] - panel_side_margin * width, high[0] + panel_side_margin * width
+    bottom, top = low[2] - panel_height_margin * height, high[2] + panel_height_margin * height
     panel = Panel(
-        origin_mm=corner,
-        u_mm=(width * (1.0 + 2.0 * panel_side_margin), 0.0, 0.0),
-        v_mm=(0.0, 0.0, height * (1.0 + 2.0 * panel_height_margin)),
+        origin_mm=(left, high[1] + panel_gap * width, bottom),
+        u_mm=(right - left, 0.0, 0.0),
+        v_mm=(0.0, 0.0, top - bottom),
         radiance=panel_radiance,
     )
     camera = framing_camera(
