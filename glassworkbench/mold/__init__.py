@@ -1,6 +1,7 @@
 """What a CAD file holds: reading it, finding out how the container stands in it, its exact profile, its mesh."""
 
 from glassworkbench.mold.anatomy import Anatomy
-from glassworkbench.mold.mold import Mold, mold_from_shape, outer_meridian, read_mold
+from glassworkbench.mold.mold import Mold, core_meridian, mold_from_shape, outer_meridian, read_mold
+from glassworkbench.mold.tessellation import tessellate
 
-__all__ = ["Anatomy", "Mold", "mold_from_shape", "outer_meridian", "read_mold"]
+__all__ = ["Anatomy", "Mold", "core_meridian", "mold_from_shape", "outer_meridian", "read_mold", "tessellate"]

@@ -26,7 +26,7 @@ def face_profiles(faces: Iterable[Part.Face]) -> list[np.ndarray | None]:
 
 
 def chain(profiles: list[np.ndarray | None]) -> np.ndarray | None:
-    """Return the profiles (each (n, 4, 3)) joined from the lowest point on the axis to the highest, None if none leads there.
+    """Return the profiles (each (n, 4, 3)) joined from the lowest point on the axis to the highest, or None.
 
     Profiles of partial faces that repeat each other are taken once; those that lead nowhere are left out.
     """
@@ -91,6 +91,18 @@ def points(segments: np.ndarray, per_segment: int) -> np.ndarray:
     weights = segments[:, :, 2] @ basis
     each = np.stack([(segments[:, :, k] * segments[:, :, 2]) @ basis / weights for k in range(2)], axis=2)
     return np.concatenate([each[:, :-1].reshape(-1, 2), segments[-1:, 3, :2]])
+
+
+def flattened(segments: np.ndarray, spacing_mm: float) -> np.ndarray:
+    """Return points (n, 2) on segments (m, 4, 3), at most `spacing_mm` apart and turning at most 2 degrees."""
+    pieces = []
+    for segment in segments:
+        legs = np.diff(segment[:, :2], axis=0)
+        legs = legs[np.linalg.norm(legs, axis=1) > 0.0]
+        turns = np.diff(np.unwrap(np.arctan2(legs[:, 1], legs[:, 0])))
+        steps = max(np.linalg.norm(legs, axis=1).sum() / spacing_mm, np.abs(turns).sum() / np.radians(2.0), 1.0)
+        pieces.append(points(segment[None], int(np.ceil(steps)))[:-1])
+    return np.concatenate([*pieces, segments[-1:, 3, :2]])
 
 
 def _face_profile(face: Part.Face) -> np.ndarray | None:

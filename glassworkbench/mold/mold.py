@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import os
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,9 +12,19 @@ from glassworkbench.errors import InputError
 from glassworkbench.freecad import FreeCAD, Part
 from glassworkbench.mold.anatomy import Anatomy
 from glassworkbench.mold.axis import Standing, find_standing, rotation_to_upright
-from glassworkbench.mold.meridian import chain, face_profiles, points
+from glassworkbench.mold.measures import (
+    crossings_on_axis,
+    distance_to_polyline,
+    mesh_of,
+    signed_volume,
+    smallest_width,
+)
+from glassworkbench.mold.meridian import chain, face_profiles, flattened, points
 from glassworkbench.mold.read import read_shape, sha256
 from glassworkbench.mold.silhouette import find_regions, find_stem, radius_spread, silhouette
+
+EMBOSSED_SHARE = 0.1
+"""What stands out from a round core by less than this share of the largest radius is a thread or embossing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +57,11 @@ class Mold:
     path: Path | None = None
     sha256: str = ""
     core: np.ndarray | None = None
+
+    @property
+    def is_nearly_round(self) -> bool:
+        """Whether the body is one of revolution but for threads and embossing, so that its inside can be one."""
+        return self.core is not None and self.anatomy.departure_mm < EMBOSSED_SHARE * self.anatomy.maximum_radius_mm
 
 
 def read_mold(
@@ -160,19 +174,6 @@ def _outward(solid: Part.Shape) -> Part.Shape:
     return solid if signed_volume(vertices, triangles) > 0.0 else solid.reversed()
 
 
-def mesh_of(shape: Part.Shape) -> tuple[np.ndarray, np.ndarray]:
-    """Return a mesh (vertices (n, 3), triangles (m, 3)) fine enough to measure a container by, 0.1 % of its size."""
-    size = shape.BoundBox.DiagonalLength
-    vertices, triangles = shape.tessellate(max(1e-3 * min(size, 200.0), 1e-6))
-    return np.array([tuple(vertex) for vertex in vertices]), np.array(triangles)
-
-
-def signed_volume(vertices_mm: np.ndarray, triangles: np.ndarray) -> float:
-    """Return the volume (mm^3) that a closed mesh holds, negative if its triangles face inward."""
-    a, b, c = (vertices_mm[triangles[:, k]] - vertices_mm[0] for k in range(3))
-    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
-
-
 def placement_of(standing: Standing, vertices_mm: np.ndarray) -> np.ndarray:
     """Return the matrix (4, 4) from upright to CAD coordinates for a container with the points `vertices_mm` (n, 3)."""
     heights = (vertices_mm - standing.point_mm) @ standing.axis
@@ -215,7 +216,7 @@ def _anatomy(
         finish_outer_radius_mm=float(radii[heights > finish_low].max()),
         finish_face=standing.finish_face,
         maximum_radius_mm=float(max(from_axis.max(), outline[:, 0].max())),
-        smallest_width_mm=_smallest_width(vertices),
+        smallest_width_mm=smallest_width(vertices),
         bearing_radius_mm=float(lowest[:, 0].mean()),
         push_up_mm=float(core[0, 0, 1] if core is not None else crossings_on_axis(vertices, triangles)[0]),
         departure_mm=departure,
@@ -237,42 +238,6 @@ def _departure(
     distances = distance_to_polyline(flat, points(core, 32))
     worst = int(np.argmax(distances))
     return float(distances[worst]), vertices_mm[worst]
-
-
-def distance_to_polyline(points_mm: np.ndarray, polyline_mm: np.ndarray) -> np.ndarray:
-    """Return the distance (n,) of each point (n, 2) to a polyline (m, 2)."""
-    nearest = np.full(len(points_mm), np.inf)
-    for start, end in itertools.pairwise(polyline_mm):
-        along = end - start
-        length_squared = along @ along
-        if length_squared == 0.0:
-            continue
-        offset = points_mm - start
-        share = np.clip(offset @ along / length_squared, 0.0, 1.0)
-        np.minimum(nearest, np.linalg.norm(offset - share[:, None] * along, axis=1), out=nearest)
-    return nearest
-
-
-def _smallest_width(vertices_mm: np.ndarray) -> float:
-    angles = np.linspace(0.0, np.pi, 180, endpoint=False)
-    return float(np.ptp(vertices_mm[:, :2] @ np.array([np.cos(angles), np.sin(angles)]), axis=0).min())
-
-
-def crossings_on_axis(vertices_mm: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """Return the heights (n,) where the z axis passes through a closed mesh, ascending."""
-    a, b, c = (vertices_mm[triangles[:, k], :2] for k in range(3))
-
-    def cross(p: np.ndarray, q: np.ndarray) -> np.ndarray:
-        return p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]
-
-    shares = np.stack([cross(b, c), cross(c, a), cross(a, b)])
-    area = shares.sum(axis=0)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        shares = shares / area
-    hit = np.all(shares >= -1e-9, axis=0) & (np.abs(area) > 0.0)
-    heights = np.sort((shares.T[hit] * vertices_mm[triangles[hit], 2]).sum(axis=1))
-    # A vertex or edge on the axis is met by each triangle around it.
-    return heights[np.concatenate([[True], np.diff(heights) > 1e-6 * np.ptp(vertices_mm[:, 2])])]
 
 
 def outer_meridian(mold: Mold) -> np.ndarray:
@@ -299,3 +264,24 @@ def outer_meridian(mold: Mold) -> np.ndarray:
             "so no single meridian describes it"
         )
     return mold.core
+
+
+def core_meridian(mold: Mold, spacing_mm: float = 0.25) -> np.ndarray | None:
+    """Return the profile of a nearly round mold without its threads and embossing, fine enough to be offset.
+
+    It is the chain of the faces that are turned about the axis, so it is exact where the body is round, and passes
+    under whatever stands out from them.
+
+    Parameters
+    ----------
+    mold : Mold
+    spacing_mm : float
+        Largest distance between neighbouring points; on curves they turn by at most 2 degrees from one to the next.
+
+    Returns
+    -------
+    array (n, 2) or None
+        Points (r mm, z mm) in upright coordinates from the axis at the base, up the outside, to the axis at the finish;
+        None where the mold is not nearly round.
+    """
+    return flattened(mold.core, spacing_mm) if mold.is_nearly_round else None
