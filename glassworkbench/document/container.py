@@ -1,0 +1,233 @@
+"""The container object: hollows the solid it is linked to, again whenever mold or wall change."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from glassworkbench.document.properties import HIDDEN, OUTPUT, READ_ONLY, Property, add_properties, set_choices
+from glassworkbench.errors import GlassWorkbenchError, InputError
+from glassworkbench.freecad import FreeCAD
+from glassworkbench.glass import catalogue, find_glass
+from glassworkbench.mold import mold_from_shape
+from glassworkbench.scene import ContainerGeometry
+from glassworkbench.settings import unknown_name
+from glassworkbench.wall import METHODS, Container, hollow
+from glassworkbench.wall.thickness import parse_thickness
+
+SCHEMA_VERSION = 1
+RESULT = READ_ONLY | OUTPUT
+PROPERTIES = (
+    Property("App::PropertyLink", "Source", "Mold", "The solid whose outside is the container's outside"),
+    Property("App::PropertyLength", "WallThickness", "Wall", "Wall thickness, the same everywhere", 0, 3.0),
+    Property(
+        "App::PropertyString",
+        "Wall",
+        "Wall",
+        "Wall thickness in mm by region, like finish=2.5 neck=3 body=2 base=5; overrules Wall Thickness when not empty",
+    ),
+    Property("App::PropertyEnumeration", "Method", "Wall", "How the cavity is found; auto takes the first that fits"),
+    Property(
+        "App::PropertyLength", "Tolerance", "Wall", "Accepted deviation from the wall asked for; 0 chooses by itself"
+    ),
+    Property("App::PropertyFloat", "TimeLimit", "Wall", "Seconds after which hollowing gives up", 0, 120.0),
+    Property("App::PropertyEnumeration", "Glass", "Glass", "What the container is made of", OUTPUT),
+    Property("App::PropertyString", "Fault", "Result", "Why the shape is not up to date; empty if it is", RESULT),
+    Property("App::PropertyString", "MethodUsed", "Result", "The method that made the cavity", RESULT),
+    Property("App::PropertyFloat", "WeightGrams", "Result", "Weight of the empty container in g", RESULT),
+    Property("App::PropertyVolume", "BrimfulCapacity", "Result", "What it holds, filled to the brim", RESULT),
+    Property("App::PropertyVolume", "GlassVolume", "Result", "Volume of the glass", RESULT),
+    Property("App::PropertyLength", "MinimumWall", "Result", "The thinnest place of the wall", RESULT),
+    Property("App::PropertyPosition", "MinimumWallAt", "Result", "Where the wall is thinnest", RESULT),
+    Property(
+        "App::PropertyLength", "LargestDeviation", "Result", "From the wall asked for, at the worst place", RESULT
+    ),
+    Property("App::PropertyLength", "TypicalDeviation", "Result", "From the wall asked for, root mean square", RESULT),
+    Property("App::PropertyPosition", "CentreOfGravity", "Result", "Of the empty container", RESULT),
+    Property("App::PropertyInteger", "SchemaVersion", "Base", "Of the saved properties", RESULT | HIDDEN),
+)
+
+
+def make_container(
+    source: Any, wall: float | str = 3.0, glass: str = "flint", method: str = "auto", document: Any = None
+) -> Any:
+    """Add a container to a document: the hollow form of a solid.
+
+    Parameters
+    ----------
+    source : document object
+        With a shape that holds one solid, the container's outside.
+    wall : float or str
+        Thickness in mm, or by region, like ``"finish=2.5 body=2 base=5"``.
+    glass : str
+        Name in the catalogue.
+    method : str
+        How the cavity is found, one of `glassworkbench.wall.METHODS`.
+    document : optional
+        That of `source` if not given.
+
+    Returns
+    -------
+    document object
+        Its ``Fault`` is empty.
+
+    Raises
+    ------
+    InputError
+        If the wall, the glass, the method or the source cannot be used; the document is as before.
+    GlassWorkbenchError
+        If no method finds the cavity; the document is as before.
+    """
+    parse_thickness(str(wall))
+    find_glass(glass)
+    if method not in METHODS:
+        raise unknown_name("method", method, METHODS)
+    document = document or source.Document
+    obj = document.addObject("Part::FeaturePython", "Container")
+    ContainerFeature(obj)
+    if FreeCAD.GuiUp:
+        from glassworkbench.document.views import ContainerView
+
+        ContainerView(obj.ViewObject)
+    obj.Source = source
+    set_wall(obj, wall)
+    set_glass(obj, glass)
+    obj.Method = method
+    obj.recompute()
+    if obj.Fault:
+        fault = obj.Fault
+        document.removeObject(obj.Name)
+        raise GlassWorkbenchError(fault)
+    source.Visibility = False
+    return obj
+
+
+def set_wall(obj: Any, wall: float | str) -> None:
+    """Ask for a wall thickness in mm, or by region; the next recompute makes it.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read.
+    """
+    parse_thickness(str(wall))
+    try:
+        obj.WallThickness = float(wall)
+        obj.Wall = ""
+    except ValueError:
+        obj.Wall = wall
+
+
+def wall_text(obj: Any) -> str:
+    """Return the wall thickness that a container asks for, as `parse_thickness` reads it."""
+    return obj.Wall or f"{obj.WallThickness.Value:.9g}"
+
+
+def set_glass(obj: Any, glass: str) -> None:
+    """Set what a container is made of, by a name of the catalogue.
+
+    Raises
+    ------
+    InputError
+        If the catalogue has no such glass.
+    """
+    find_glass(glass)
+    obj.Glass = glass
+
+
+def is_container(obj: Any) -> bool:
+    """Return whether a document object is a container."""
+    return isinstance(getattr(obj, "Proxy", None), ContainerFeature)
+
+
+class ContainerFeature:
+    """Proxy of a ``Part::FeaturePython``: its hooks are called by FreeCAD."""
+
+    _container: Container | None = None
+
+    def __init__(self, obj: Any) -> None:
+        obj.Proxy = self
+        self._complete(obj)
+        obj.SchemaVersion = SCHEMA_VERSION
+
+    def execute(self, obj: Any) -> None:
+        """Hollow the source; on failure keep the shape and say why in `Fault`."""
+        try:
+            container = _hollowed(obj)
+        except GlassWorkbenchError as error:
+            # Raised on, FreeCAD would show the user a traceback.
+            obj.Fault = str(error)
+            FreeCAD.Console.PrintError(f"{obj.Label}: {error}\n")
+            return
+        self._container = container
+        obj.Shape = container.solid
+        obj.Fault = ""
+        report = container.report.to_json()
+        wall = report["wall"]
+        obj.MethodUsed = report["method"]
+        obj.GlassVolume = report["glass_volume_mm3"]
+        obj.BrimfulCapacity = 1000.0 * report["brimful_ml"]
+        obj.MinimumWall = wall["min_mm"]
+        obj.MinimumWallAt = FreeCAD.Vector(*wall["min_at_mm"])
+        obj.LargestDeviation = wall["deviation_max_mm"]
+        obj.TypicalDeviation = wall["deviation_rms_mm"]
+        obj.CentreOfGravity = FreeCAD.Vector(*report["centre_of_gravity_mm"])
+
+    def onChanged(self, obj: Any, name: str) -> None:  # noqa: N802 (FreeCAD's name)
+        """Keep the weight that of the glass."""
+        if name in ("Glass", "GlassVolume") and "WeightGrams" in obj.PropertiesList and not obj.Document.Restoring:
+            obj.WeightGrams = obj.GlassVolume.Value / 1000.0 * find_glass(obj.Glass).density_g_per_cm3
+
+    def geometry(self, obj: Any) -> ContainerGeometry:
+        """Return the container as the tracer knows it; hollows again after a reopening or an undo.
+
+        Raises
+        ------
+        GlassWorkbenchError
+            If the container has a fault.
+        """
+        if obj.Fault:
+            raise GlassWorkbenchError(f"{obj.Label}: {obj.Fault}")
+        if self._container is None or not obj.Shape.isPartner(self._container.solid):
+            self._container = _hollowed(obj)
+        return self._container.geometry()
+
+    def onDocumentRestored(self, obj: Any) -> None:  # noqa: N802 (FreeCAD's name)
+        """Give an object of an older version what it lacks."""
+        if obj.SchemaVersion > SCHEMA_VERSION:
+            FreeCAD.Console.PrintWarning(
+                f"{obj.Label}: saved by a newer GlassWorkbench; update it if something is missing\n"
+            )
+            return
+        self._complete(obj)
+        obj.SchemaVersion = SCHEMA_VERSION
+
+    def dumps(self) -> None:
+        """Return what is saved besides the properties: nothing."""
+
+    def loads(self, state: None) -> None:
+        """Accept what `dumps` returned."""
+
+    # FreeCAD 0.20 asks for the pickle protocol's names.
+    __getstate__ = dumps
+    __setstate__ = loads
+
+    @staticmethod
+    def _complete(obj: Any) -> None:
+        add_properties(obj, PROPERTIES)
+        set_choices(obj, "Method", METHODS)
+        set_choices(obj, "Glass", catalogue())
+
+
+def _hollowed(obj: Any) -> Container:
+    if obj.Source is None:
+        raise InputError("Source: no mold is linked; choose the solid to hollow")
+    if obj.Method not in METHODS:
+        raise unknown_name("Method", obj.Method, METHODS)
+    mold = mold_from_shape(obj.Source.Shape, obj.Source.Label)
+    return hollow(
+        mold,
+        parse_thickness(wall_text(obj)),
+        method=obj.Method,
+        tolerance_mm=obj.Tolerance.Value or None,
+        seconds=obj.TimeLimit,
+    )

@@ -1,0 +1,78 @@
+"""How the objects show in FreeCAD's tree and 3D view; double-clicking runs a command of the workbench."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from glassworkbench.document.appearance import colour, transparency_percent
+from glassworkbench.glass import find_glass
+from glassworkbench.settings import RESOURCES
+
+ICONS = RESOURCES / "icons"
+
+
+class _View:
+    def __init__(self, view: Any) -> None:
+        view.Proxy = self
+
+    def attach(self, view: Any) -> None:
+        """Remember the document object; called on creation and on load."""
+        self.Object = view.Object
+
+    def dumps(self) -> None:
+        """Return what is saved besides the properties: nothing."""
+
+    def loads(self, state: None) -> None:
+        """Accept what `dumps` returned."""
+
+    # FreeCAD 0.20 asks for the pickle protocol's names.
+    __getstate__ = dumps
+    __setstate__ = loads
+
+
+class ContainerView(_View):
+    """A container in the tree with its mold below it, coloured like its glass."""
+
+    def getIcon(self) -> str:  # noqa: N802 (FreeCAD's name)
+        """Return the icon that says whether the shape is up to date."""
+        return str(ICONS / ("Container_Fault.svg" if self.Object.Fault else "Container.svg"))
+
+    def claimChildren(self) -> list:  # noqa: N802 (FreeCAD's name)
+        """Return what the tree shows below the container."""
+        return [self.Object.Source] if self.Object.Source else []
+
+    def updateData(self, obj: Any, name: str) -> None:  # noqa: N802 (FreeCAD's name)
+        """Take over the colour of a new glass, and the sign of a fault."""
+        if obj.Document.Restoring:
+            return
+        if name == "Glass":
+            glass = find_glass(obj.Glass)
+            obj.ViewObject.ShapeColor = colour(glass)
+            obj.ViewObject.Transparency = transparency_percent(glass)
+        elif name == "Fault":
+            obj.ViewObject.signalChangeIcon()
+
+    def doubleClicked(self, view: Any) -> bool:  # noqa: N802 (FreeCAD's name)
+        """Open the panel that changes wall and glass."""
+        return _run("Glass_EditContainer", view.Object)
+
+
+class RenderView(_View):
+    """A picture in the tree."""
+
+    def getIcon(self) -> str:  # noqa: N802 (FreeCAD's name)
+        """Return the icon's path."""
+        return str(ICONS / "Glass_Render.svg")
+
+    def doubleClicked(self, view: Any) -> bool:  # noqa: N802 (FreeCAD's name)
+        """Show the picture."""
+        return _run("Glass_Render", view.Object)
+
+
+def _run(command: str, obj: Any) -> bool:
+    import FreeCADGui
+
+    FreeCADGui.Selection.clearSelection()
+    FreeCADGui.Selection.addSelection(obj)
+    FreeCADGui.runCommand(command)
+    return True

@@ -1,0 +1,175 @@
+"""The workbench's commands, as its menu and toolbar offer them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import FreeCADGui
+from PySide.QtCore import QT_TRANSLATE_NOOP
+
+from glassworkbench.document.container import is_container, make_container, set_glass, set_wall
+from glassworkbench.document.render import is_render, make_render
+from glassworkbench.errors import GlassWorkbenchError
+from glassworkbench.gui import preferences
+from glassworkbench.gui.container_panel import ContainerPanel, ContainerSettings
+from glassworkbench.gui.feedback import busy, one_step, show_error, translate
+from glassworkbench.gui.glass_panel import GlassPanel
+from glassworkbench.gui.image_windows import show_render
+from glassworkbench.gui.render_panel import RenderPanel
+from glassworkbench.settings import RESOURCES
+
+
+def register() -> list[str]:
+    """Make the commands known to FreeCAD and return the names of those that menu and toolbar show."""
+    FreeCADGui.addCommand("Glass_EditContainer", EditContainer())
+    shown = {"Glass_MakeContainer": MakeContainer(), "Glass_SetGlass": SetGlass(), "Glass_Render": Render()}
+    for name, command in shown.items():
+        FreeCADGui.addCommand(name, command)
+    return list(shown)
+
+
+class _Command:
+    """A command for the one object that is selected."""
+
+    name: str
+    menu_text: str
+    tool_tip: str
+
+    def GetResources(self) -> dict[str, str]:  # noqa: N802 (FreeCAD's name)
+        """Return what menu and toolbar show."""
+        icon = RESOURCES / "icons" / f"{self.name}.svg"
+        return {"MenuText": self.menu_text, "ToolTip": self.tool_tip, "Pixmap": str(icon)}
+
+    def IsActive(self) -> bool:  # noqa: N802 (FreeCAD's name)
+        """Return whether the command can do something with the selection."""
+        selected = FreeCADGui.Selection.getSelection()
+        return len(selected) == 1 and self.accepts(selected[0]) and not FreeCADGui.Control.activeDialog()
+
+    def Activated(self) -> None:  # noqa: N802 (FreeCAD's name)
+        """Run; FreeCAD calls it when the user asks."""
+        try:
+            self.run(FreeCADGui.Selection.getSelection()[0])
+        except GlassWorkbenchError as error:
+            show_error(error)
+
+    def accepts(self, obj: Any) -> bool:
+        """Return whether the command is for such an object."""
+        raise NotImplementedError
+
+    def run(self, obj: Any) -> None:
+        """Do the work."""
+        raise NotImplementedError
+
+
+class MakeContainer(_Command):
+    """Asks for the wall and makes a container of a solid."""
+
+    name = "Glass_MakeContainer"
+    menu_text = QT_TRANSLATE_NOOP("Glass_MakeContainer", "Make container…")
+    tool_tip = QT_TRANSLATE_NOOP(
+        "Glass_MakeContainer",
+        "Hollow the selected solid, the outside of a container, to the wall thickness you ask for",
+    )
+
+    def accepts(self, obj: Any) -> bool:
+        """Return whether the object holds one solid to hollow."""
+        return obj.isDerivedFrom("Part::Feature") and not is_container(obj) and len(obj.Shape.Solids) == 1
+
+    def run(self, obj: Any) -> None:
+        """Open the panel."""
+        settings = ContainerSettings(
+            preferences.number("WallThickness", 3.0),
+            preferences.text("Wall", ""),
+            "auto",
+            preferences.text("Glass", "flint"),
+        )
+        title = translate("Glass_MakeContainer", "Container from {}").format(obj.Label)
+        FreeCADGui.Control.showDialog(ContainerPanel(title, settings, lambda chosen: self._make(obj, chosen)))
+
+    def _make(self, obj: Any, chosen: ContainerSettings) -> None:
+        with one_step(obj.Document, translate("Glass_MakeContainer", "Make container")), _hollowing():
+            container = make_container(obj, chosen.regions or chosen.thickness_mm, chosen.glass, chosen.method)
+        preferences.remember_number("WallThickness", chosen.thickness_mm)
+        preferences.remember_text("Wall", chosen.regions)
+        preferences.remember_text("Glass", chosen.glass)
+        _select(container)
+
+
+class EditContainer(_Command):
+    """Changes wall and glass of a container; the tree's double-click."""
+
+    name = "Glass_EditContainer"
+    menu_text = QT_TRANSLATE_NOOP("Glass_EditContainer", "Edit container…")
+    tool_tip = QT_TRANSLATE_NOOP("Glass_EditContainer", "Change the wall and the glass of the selected container")
+
+    def accepts(self, obj: Any) -> bool:
+        """Return whether the object is a container."""
+        return is_container(obj)
+
+    def run(self, obj: Any) -> None:
+        """Open the panel."""
+        settings = ContainerSettings(obj.WallThickness.Value, obj.Wall, obj.Method, obj.Glass)
+        FreeCADGui.Control.showDialog(ContainerPanel(obj.Label, settings, lambda chosen: self._change(obj, chosen)))
+
+    def _change(self, obj: Any, chosen: ContainerSettings) -> None:
+        with one_step(obj.Document, translate("Glass_EditContainer", "Edit container")), _hollowing():
+            set_wall(obj, chosen.thickness_mm)
+            if chosen.regions:
+                set_wall(obj, chosen.regions)
+            obj.Method = chosen.method
+            set_glass(obj, chosen.glass)
+            obj.Document.recompute()
+            if obj.Fault:
+                raise GlassWorkbenchError(obj.Fault)
+
+
+class SetGlass(_Command):
+    """Chooses the glass of a container."""
+
+    name = "Glass_SetGlass"
+    menu_text = QT_TRANSLATE_NOOP("Glass_SetGlass", "Glass…")
+    tool_tip = QT_TRANSLATE_NOOP("Glass_SetGlass", "Choose the glass that the selected container is made of")
+
+    def accepts(self, obj: Any) -> bool:
+        """Return whether the object is a container."""
+        return is_container(obj)
+
+    def run(self, obj: Any) -> None:
+        """Open the panel."""
+        FreeCADGui.Control.showDialog(GlassPanel(obj))
+
+
+class Render(_Command):
+    """Shows a container, or a render object again, as light shows it."""
+
+    name = "Glass_Render"
+    menu_text = QT_TRANSLATE_NOOP("Glass_Render", "Render…")
+    tool_tip = QT_TRANSLATE_NOOP(
+        "Glass_Render", "Show the selected container as light shows it, in a window beside the 3D view"
+    )
+
+    def accepts(self, obj: Any) -> bool:
+        """Return whether the object is a container or a render object."""
+        return is_container(obj) or is_render(obj)
+
+    def run(self, obj: Any) -> None:
+        """Open the panel for a container; trace a render object at once, as its properties say."""
+        if is_render(obj):
+            show_render(obj)
+            return
+        title = translate("Glass_Render", "Picture of {}").format(obj.Label)
+        FreeCADGui.Control.showDialog(RenderPanel(title, lambda **chosen: self._make(obj, chosen)))
+
+    def _make(self, container: Any, chosen: dict[str, Any]) -> None:
+        with one_step(container.Document, translate("Glass_Render", "Render")):
+            obj = make_render(container, **chosen)
+        show_render(obj)
+
+
+def _hollowing() -> Any:
+    return busy(translate("Glass_MakeContainer", "Hollowing the container…"))
+
+
+def _select(obj: Any) -> None:
+    FreeCADGui.Selection.clearSelection()
+    FreeCADGui.Selection.addSelection(obj)
