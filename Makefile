@@ -1,0 +1,42 @@
+PYTHON ?= /usr/bin/python3
+RUFF_VERSION := 0.17.6
+
+.PHONY: help setup build demo test lint bench compat clean
+
+help: ## Show this list
+	@echo "make TARGET, where TARGET is one of"
+	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  \1	\2/p' $(MAKEFILE_LIST)
+
+setup: ## Install what this machine lacks (Debian, Ubuntu)
+	@tools/setup.sh
+
+build: setup ## Build the native tracer
+	@cmake -S glassworkbench/tracer/native -B build/native -DCMAKE_BUILD_TYPE=Release >/dev/null
+	@cmake --build build/native --parallel 2
+
+demo: build ## Hollow a wine bottle and render it, into out/demo
+	@tools/demo.sh
+
+test: build ## Run all tests
+	@$(PYTHON) -m pytest
+
+lint: setup .venv/ruff-$(RUFF_VERSION) ## Check the style of Python and C++
+	@.venv/bin/ruff check
+	@.venv/bin/ruff format --check
+	@find glassworkbench -name '*.cpp' -o -name '*.h' -o -name '*.hpp' | xargs clang-format --dry-run --Werror
+
+.venv/ruff-$(RUFF_VERSION):
+	@$(PYTHON) -m venv .venv
+	@.venv/bin/pip install --quiet --disable-pip-version-check ruff==$(RUFF_VERSION)
+	@touch $@
+
+bench: build ## Measure speed and accuracy
+	@for benchmark in benchmarks/*.py; do echo "== $$benchmark"; $(PYTHON) "$$benchmark" || exit 1; done
+
+compat: build ## Run the tests on FreeCAD 0.20, 1.0 and 1.1, into docs/compat.md
+	@tools/compat.sh
+
+clean: ## Remove what was built
+	rm -rf build out .venv .pytest_cache .ruff_cache .hypothesis
+	find . -name __pycache__ -prune -exec rm -rf {} +
+	find glassworkbench -name '*.so' -delete
