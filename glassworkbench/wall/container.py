@@ -1,0 +1,197 @@
+"""The hollow container: its solid, what the tracer sees of it, and the report on its wall."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from glassworkbench.errors import GlassWorkbenchError
+from glassworkbench.freecad import FreeCAD, Part
+from glassworkbench.mold import Mold, outer_meridian, tessellate
+from glassworkbench.output import check_writable, written_aside
+from glassworkbench.scene import ContainerGeometry, Mesh, Revolved, Surface
+from glassworkbench.wall.measure import WallMeasure
+from glassworkbench.wall.thickness import Thickness
+
+ENDINGS = (".step", ".stp", ".brep", ".fcstd", ".stl")
+
+DEVIATION_MM = 0.015
+"""Largest distance of a mesh from its surface; refraction at the facets' interpolated normals is then smooth."""
+
+MAXIMUM_TRIANGLES = 400_000
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """How one method fared: its outcome is accepted, rejected (measured, but not good enough), failed or unsuitable."""
+
+    method: str
+    outcome: str
+    why: str
+    seconds: float
+
+
+@dataclass(frozen=True)
+class SolidFacts:
+    """What OCC and the methods' own checks say of the solid."""
+
+    valid: bool
+    closed: bool
+    self_intersecting: bool
+    faces: int
+
+
+@dataclass(frozen=True, eq=False)
+class WallReport:
+    """What was asked, what was tried, and what came out; positions are in CAD coordinates.
+
+    Parameters
+    ----------
+    method : str
+    tried : tuple of Attempt
+    asked : str
+        The wall as `parse_thickness` reads it.
+    wall : WallMeasure
+        `minimum_at_mm` in CAD coordinates.
+    tolerance_mm : float
+        What 99 % of the deviations had to stay within.
+    solid : SolidFacts
+    glass_volume_mm3, weight_g, brimful_ml : float
+        The weight is that of soda-lime glass, 2.5 g/cm3.
+    centre_of_gravity_mm : array (3,)
+        Of the glass.
+    seconds : float
+    """
+
+    method: str
+    tried: tuple[Attempt, ...]
+    asked: str
+    wall: WallMeasure
+    tolerance_mm: float
+    solid: SolidFacts
+    glass_volume_mm3: float
+    weight_g: float
+    brimful_ml: float
+    centre_of_gravity_mm: np.ndarray
+    seconds: float
+
+    def to_json(self) -> dict[str, object]:
+        """Return the report as plain dictionaries, lists, strings and numbers."""
+        return {
+            "method": self.method,
+            "tried": [
+                {
+                    "method": attempt.method,
+                    "outcome": attempt.outcome,
+                    "why": attempt.why,
+                    "seconds": round(attempt.seconds, 3),
+                }
+                for attempt in self.tried
+            ],
+            "wall": {
+                "asked": self.asked,
+                "samples": self.wall.samples,
+                "min_mm": self.wall.minimum_mm,
+                "min_at_mm": [float(coordinate) for coordinate in self.wall.minimum_at_mm],
+                "deviation_max_mm": self.wall.deviation_max_mm,
+                "deviation_p99_mm": self.wall.deviation_p99_mm,
+                "deviation_rms_mm": self.wall.deviation_rms_mm,
+                "tolerance_mm": self.tolerance_mm,
+            },
+            "solid": {
+                "valid": self.solid.valid,
+                "closed": self.solid.closed,
+                "self_intersecting": self.solid.self_intersecting,
+                "faces": self.solid.faces,
+            },
+            "glass_volume_mm3": self.glass_volume_mm3,
+            "weight_g": self.weight_g,
+            "brimful_ml": self.brimful_ml,
+            "centre_of_gravity_mm": [float(coordinate) for coordinate in self.centre_of_gravity_mm],
+            "seconds": round(self.seconds, 3),
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Container:
+    """A hollow container.
+
+    Parameters
+    ----------
+    mold : Mold
+    thickness : Thickness
+    method : str
+        The method that made the cavity.
+    solid : Part.Shape
+        The glass, one closed solid in CAD coordinates.
+    cavity : Surface or Part.Shape
+        What is taken away from the outside, upright, reaching past the mouth.
+    report : WallReport
+    """
+
+    mold: Mold
+    thickness: Thickness
+    method: str
+    solid: Part.Shape
+    cavity: Revolved | Part.Shape
+    report: WallReport
+
+    def geometry(self) -> ContainerGeometry:
+        """Return the container as a station takes it: upright, on surfaces that the tracer knows."""
+        anatomy = self.mold.anatomy
+        outer = Revolved(outer_meridian(self.mold)) if anatomy.is_revolved else fine_mesh(self.mold.upright)
+        if isinstance(outer, Mesh):
+            low, high = outer.vertices_mm.min(axis=0), outer.vertices_mm.max(axis=0)
+        else:
+            radius = anatomy.maximum_radius_mm
+            low, high = np.array([-radius, -radius, 0.0]), np.array([radius, radius, anatomy.height_mm])
+        cavity: Surface = self.cavity if isinstance(self.cavity, Revolved) else fine_mesh(self.cavity)
+        return ContainerGeometry(outer, cavity, low, high, anatomy.finish_height_mm)
+
+    def save(self, path: str | Path) -> None:
+        """Write the solid as STEP, BREP, FCStd or STL, by the path's ending.
+
+        Raises
+        ------
+        InputError
+            If the ending is unknown or the folder cannot be written to.
+        GlassWorkbenchError
+            If writing fails.
+        """
+        path = check_writable(path, ENDINGS)
+        with written_aside(path) as aside:
+            try:
+                _write(self.solid, self.mold.name, aside)
+            except Exception as error:
+                raise GlassWorkbenchError(f"{path}: could not be written ({error})") from error
+
+
+def fine_mesh(shape: Part.Shape) -> Mesh:
+    """Return a mesh of a solid that is fine enough to look through, and not larger than the tracer likes."""
+    deviation = DEVIATION_MM
+    while True:
+        mesh = tessellate(shape, deviation)
+        if len(mesh.triangles) <= MAXIMUM_TRIANGLES:
+            return mesh
+        deviation *= 2.0
+
+
+def _write(solid: Part.Shape, name: str, path: Path) -> None:
+    ending = path.suffix.lower()
+    if ending in (".step", ".stp"):
+        solid.exportStep(str(path))
+    elif ending == ".brep":
+        solid.exportBrep(str(path))
+    elif ending == ".stl":
+        solid.exportStl(str(path))
+    else:
+        document = FreeCAD.newDocument("Container", hidden=True, temp=True)
+        try:
+            document.addObject("Part::Feature", "Container").Shape = solid
+            document.Objects[0].Label = name
+            document.recompute()
+            document.saveCopy(str(path))
+        finally:
+            FreeCAD.closeDocument(document.Name)
