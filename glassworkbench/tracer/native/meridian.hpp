@@ -37,6 +37,15 @@ struct Piece {
         const double px = x * inverse, py = y * inverse;
         return {px, py, (dx - px * dw) * inverse, (dy - py * dw) * inverse};
     }
+
+    // (r(u) - radius) / (u - v), where r(v) = radius, without the cancellation.
+    double radius_difference(double u, double v, double radius) const {
+        const double square = u + v, cube = u * u + u * v + v * v;
+        const double rise = r[1] + r[2] * square + r[3] * cube;
+        if (!rational) return rise;
+        const double weight = w[0] + u * (w[1] + u * (w[2] + u * w[3]));
+        return (rise - radius * (w[1] + w[2] * square + w[3] * cube)) / weight;
+    }
 };
 
 inline void power_basis(const Bernstein& b, double (&p)[4]) {

@@ -7,7 +7,7 @@
 //   flat rays  (|dz| < a):  B = 0 by starting at the closest approach c to the axis, and on the branch s = +-1
 //                           g(u) = (z(u) - z0) - s (dz / a) sqrt((r - c)(r + c)),
 //   steep rays:             g(u) = r(u) - sqrt(C + tau (2 B + A tau)),  tau = (z(u) - z0) / dz.
-// A root of g is bracketed on a monotone piece, then polished in (u, tau) together.
+// Roots of g are isolated and bracketed on monotone pieces, then polished in (u, tau) together.
 #pragma once
 
 #include <cmath>
@@ -236,22 +236,13 @@ class Revolved {
     void solve(const Chart& ray, int number, double tau_low, double tau_high, Visit&& visit) const {
         const Piece& piece = pieces_[number];
         if (!ray.flat) {
-            solve_chart(SteepChart{ray, piece}, ray, number, 0.0, 1.0, visit);
+            isolate(SteepChart(ray, piece), ray, number, visit);
             return;
         }
-        const double far = std::fmax(piece.r_start, piece.r_end), near = std::fmin(piece.r_start, piece.r_end);
-        if (far < ray.c) return;
-        double u_low = 0.0, u_high = 1.0;
-        bool start_clipped = false, end_clipped = false;
-        if (near < ray.c) {
-            const double u = parameter_at_radius(piece, ray.c);
-            start_clipped = piece.r_start < piece.r_end;
-            end_clipped = !start_clipped;
-            (start_clipped ? u_low : u_high) = u;
-        }
+        if (std::fmax(piece.r_start, piece.r_end) <= ray.c) return;
         for (const double side : {-1.0, 1.0}) {
             if (side < 0.0 ? tau_low > 0.0 : tau_high < 0.0) continue;
-            solve_chart(FlatChart{ray, piece, side, start_clipped, end_clipped}, ray, number, u_low, u_high, visit);
+            isolate(FlatChart(ray, piece, side), ray, number, visit);
         }
     }
 
@@ -259,61 +250,102 @@ class Revolved {
         double g, slope;
     };
 
+    // Flat rays. A piece that reaches inside the closest approach c is entered at r = c, where g has a square root;
+    // with u = u_c +- x^2 it is smooth again. Elsewhere x = u.
     struct FlatChart {
         const Chart& ray;
         const Piece& piece;
-        double side;
-        bool start_clipped, end_clipped;
+        double side, k;
+        int clip = 0;  // +1: the piece starts inside c, -1: it ends there
+        double u_clip = 0.0, x_end = 1.0;
 
-        Value at(double u) const {
-            const CurvePoint p = piece.at(u);
-            const double difference = (p.r - ray.c) * (p.r + ray.c);
-            const double root = std::sqrt(difference > 0.0 ? difference : 0.0);
-            const double k = side * ray.slope;
-            const double bend = k * p.r * p.dr;
-            return {(p.z - ray.z0) - k * root, p.dz - (root > 0.0 ? bend / root : bend * 1e200)};
+        FlatChart(const Chart& chart, const Piece& p, double s) : ray(chart), piece(p), side(s), k(s * chart.slope) {
+            if (std::fmin(p.r_start, p.r_end) > ray.c || p.r_start == p.r_end) return;
+            if (ray.c == 0.0) return;
+            clip = p.r_start < p.r_end ? 1 : -1;
+            u_clip = parameter_at_radius(p, ray.c);
+            x_end = std::sqrt(clip > 0 ? 1.0 - u_clip : u_clip);
         }
-        // At the closest approach both branches meet; taking the root as zero makes both see the same sign there.
-        Value clipped(double u) const {
-            const CurvePoint p = piece.at(u);
-            return {p.z - ray.z0, p.dz - side * ray.slope * p.r * p.dr * 1e200};
+
+        double parameter(double x) const { return clip == 0 ? x : u_clip + clip * x * x; }
+
+        // sqrt(r^2 - c^2), and its rate in x. Where clipped, r - c is u - u_c times a divided difference, so that
+        // neither loses digits as x goes to zero.
+        Value half_chord(double x, const CurvePoint& p) const {
+            if (clip == 0) {
+                const double square = (p.r - ray.c) * (p.r + ray.c);
+                const double root = std::sqrt(square > 0.0 ? square : 0.0);
+                return {root, root > 0.0 ? p.r * p.dr / root : p.dr};
+            }
+            const double u = parameter(x);
+            const double steepness = clip * piece.radius_difference(u, u_clip, ray.c) * (p.r + ray.c);
+            const double root = std::sqrt(steepness > 0.0 ? steepness : 0.0);
+            return {x * root, root > 0.0 ? 2.0 * clip * p.r * p.dr / root : 0.0};
         }
+
+        Value at(double x) const {
+            const CurvePoint p = piece.at(parameter(x));
+            const double stretch = clip == 0 ? 1.0 : 2.0 * clip * x;
+            const Value chord = half_chord(x, p);
+            return {(p.z - ray.z0) - k * chord.g, p.dz * stretch - k * chord.slope};
+        }
+
         double joint(double r, double z) const {
             const double difference = (r - ray.c) * (r + ray.c);
-            return (z - ray.z0) - side * ray.slope * std::sqrt(difference > 0.0 ? difference : 0.0);
+            return (z - ray.z0) - k * std::sqrt(difference > 0.0 ? difference : 0.0);
         }
-        double g_start(double u) const { return start_clipped ? clipped(u).g : joint(piece.r_start, piece.z_start); }
-        double g_end(double u) const { return end_clipped ? clipped(u).g : joint(piece.r_end, piece.z_end); }
-        double slope_start(double u) const { return start_clipped ? clipped(u).slope : at(u).slope; }
-        double slope_end(double u) const { return end_clipped ? clipped(u).slope : at(u).slope; }
-        double tau(const CurvePoint& p) const {
-            const double difference = (p.r - ray.c) * (p.r + ray.c);
-            return side * std::sqrt(difference > 0.0 ? difference : 0.0) / ray.a;
+
+        Value start() const {
+            const Value value = at(0.0);
+            if (clip == 0) return {joint(piece.r_start, piece.z_start), value.slope};
+            // Both branches meet at the closest approach and must see the same sign there.
+            if (u_clip == 0.0) return {piece.z_start - ray.z0, value.slope};
+            if (u_clip == 1.0) return {piece.z_end - ray.z0, value.slope};
+            return {piece.at(u_clip).z - ray.z0, value.slope};
         }
+        Value end() const {
+            const double slope = at(x_end).slope;
+            return clip < 0 ? Value{joint(piece.r_start, piece.z_start), slope}
+                            : Value{joint(piece.r_end, piece.z_end), slope};
+        }
+
+        double tau(double x, const CurvePoint& p) const { return side * half_chord(x, p).g / ray.a; }
+
+        // dg/du = (d . n) r / (A tau): the sense of a crossing is the sense in which g changes sign.
+        bool entering(bool rising) const { return (rising == (clip >= 0)) == (side < 0.0); }
     };
 
     struct SteepChart {
         const Chart& ray;
         const Piece& piece;
+        static constexpr double x_end = 1.0;
 
-        Value at(double u) const {
-            const CurvePoint p = piece.at(u);
+        SteepChart(const Chart& chart, const Piece& p) : ray(chart), piece(p) {}
+
+        double parameter(double x) const { return x; }
+
+        Value at(double x) const {
+            const CurvePoint p = piece.at(x);
             const double t = (p.z - ray.z0) * ray.inverse_dz;
             const double r2 = ray.C + t * (2.0 * ray.B + t * ray.A);
             const double r = std::sqrt(r2 > 0.0 ? r2 : 0.0);
             const double climb = (ray.B + ray.A * t) * p.dz * ray.inverse_dz;
             return {p.r - r, p.dr - (r > 0.0 ? climb / r : 0.0)};
         }
+
         double joint(double r, double z) const {
             const double t = (z - ray.z0) * ray.inverse_dz;
             const double r2 = ray.C + t * (2.0 * ray.B + t * ray.A);
             return r - std::sqrt(r2 > 0.0 ? r2 : 0.0);
         }
-        double g_start(double) const { return joint(piece.r_start, piece.z_start); }
-        double g_end(double) const { return joint(piece.r_end, piece.z_end); }
-        double slope_start(double u) const { return at(u).slope; }
-        double slope_end(double u) const { return at(u).slope; }
-        double tau(const CurvePoint& p) const { return (p.z - ray.z0) * ray.inverse_dz; }
+
+        Value start() const { return {joint(piece.r_start, piece.z_start), at(0.0).slope}; }
+        Value end() const { return {joint(piece.r_end, piece.z_end), at(1.0).slope}; }
+
+        double tau(double, const CurvePoint& p) const { return (p.z - ray.z0) * ray.inverse_dz; }
+
+        // dg/du = -(d . n) r / (dz rho).
+        bool entering(bool rising) const { return rising == (ray.dz > 0.0); }
     };
 
     static double parameter_at_radius(const Piece& piece, double radius) {
@@ -331,36 +363,39 @@ class Revolved {
         return u;
     }
 
+    // Splits the piece until g, seen as the cubic with its end values and slopes, can have at most one root on a part.
+    // The bends of the piece and of the hyperbola may add up to an inflection of g, so end slopes alone are not enough.
     template <class Function, class Visit>
-    void solve_chart(const Function& function, const Chart& ray, int number, double u_low, double u_high,
-                     Visit&& visit) const {
-        const double g_low = function.g_start(u_low), g_high = function.g_end(u_high);
-        if ((g_low >= 0.0) != (g_high >= 0.0)) {
-            report(function, ray, number, root(function, u_low, g_low, u_high, g_high), visit);
-            return;
-        }
-        // Same sign at both ends: no root, or two on either side of an extremum that points at zero.
-        const double slope_low = function.slope_start(u_low), slope_high = function.slope_end(u_high);
-        const double sign = g_low >= 0.0 ? 1.0 : -1.0;
-        if (!(sign * slope_low < 0.0 && sign * slope_high > 0.0)) return;
-        const double span = u_high - u_low;
-        if (std::fabs(slope_low) < 1e100 && std::fabs(slope_high) < 1e100) {
-            // Where the two end tangents meet bounds a convex function from below.
-            const double reach =
-                (g_low * slope_high - g_high * slope_low + slope_low * slope_high * span) / (slope_high - slope_low);
-            if (sign * reach > 0.25 * std::fmin(std::fabs(g_low), std::fabs(g_high))) return;
-        }
-        double low = u_low, high = u_high;
-        for (int i = 0; i < 60; ++i) {
-            const double middle = 0.5 * (low + high);
-            const Value value = function.at(middle);
-            if ((value.g >= 0.0) != (sign > 0.0)) {
-                report(function, ray, number, root(function, u_low, g_low, middle, value.g), visit);
-                report(function, ray, number, root(function, middle, value.g, u_high, g_high), visit);
-                return;
+    void isolate(const Function& function, const Chart& ray, int number, Visit&& visit) const {
+        struct Part {
+            double low, high;
+            Value at_low, at_high;
+        };
+        constexpr int deepest_split = 48;
+        Part parts[deepest_split + 2];
+        int count = 0;
+        parts[count++] = {0.0, function.x_end, function.start(), function.end()};
+        while (count > 0) {
+            const Part part = parts[--count];
+            const double third = (part.high - part.low) / 3.0;
+            const double g0 = part.at_low.g, g3 = part.at_high.g;
+            const double g1 = g0 + third * part.at_low.slope, g2 = g3 - third * part.at_high.slope;
+            const bool monotone = g3 > g0 ? g1 >= g0 && g2 >= g1 && g3 >= g2 : g1 <= g0 && g2 <= g1 && g3 <= g2;
+            const bool crosses = (g0 >= 0.0) != (g3 >= 0.0);
+            if (monotone || count + 2 > deepest_split || !(part.high - part.low > 1e-14)) {
+                if (crosses) report(function, ray, number, root(function, part.low, g0, part.high, g3), g3 >= 0.0, visit);
+                continue;
             }
-            if (value.slope == 0.0 || high - low < 1e-15) return;
-            (sign * value.slope < 0.0 ? low : high) = middle;
+            if (!crosses) {
+                const double lowest = std::fmin(std::fmin(g0, g1), std::fmin(g2, g3));
+                const double highest = std::fmax(std::fmax(g0, g1), std::fmax(g2, g3));
+                const double distance = g0 >= 0.0 ? lowest : -highest;
+                if (distance > 0.25 * (highest - lowest)) continue;
+            }
+            const double middle = 0.5 * (part.low + part.high);
+            const Value value = function.at(middle);
+            parts[count++] = {middle, part.high, value, part.at_high};
+            parts[count++] = {part.low, middle, part.at_low, value};
         }
     }
 
@@ -370,6 +405,7 @@ class Revolved {
         const bool rising = g_low < 0.0;
         double u = low + (high - low) * (g_low / (g_low - g_high));
         if (!(u > low && u < high)) u = 0.5 * (low + high);
+        double previous = high - low;
         for (int i = 0; i < 80; ++i) {
             const Value value = function.at(u);
             ((value.g < 0.0) == rising ? low : high) = u;
@@ -377,24 +413,25 @@ class Revolved {
             if (!(next >= low && next <= high)) next = 0.5 * (low + high);
             const double step = std::fabs(next - u);
             u = next;
-            if (step < 1e-9) break;
+            // Near a double root Newton's steps only halve, and a small one does not mean that the root is near.
+            if (step < 1e-15 || (step < 1e-9 && step < 0.01 * previous)) break;
+            previous = step;
         }
         return u;
     }
 
     template <class Function, class Visit>
-    void report(const Function& function, const Chart& ray, int number, double u, Visit&& visit) const {
+    void report(const Function& function, const Chart& ray, int number, double x, bool rising, Visit&& visit) const {
         const Piece& piece = pieces_[number];
+        double u = function.parameter(x);
         CurvePoint p = piece.at(u);
-        double tau = function.tau(p);
-        double crossing = 0.0;
-        for (int i = 0; i < 2; ++i) {
+        double tau = function.tau(x, p);
+        for (int i = 0; i < 4; ++i) {
             const double f1 = ray.C + tau * (2.0 * ray.B + tau * ray.A) - p.r * p.r;
             const double f2 = ray.z0 + tau * ray.dz - p.z;
             const double climb = ray.B + ray.A * tau;
             const double rr = p.r * p.dr;
             const double determinant = 2.0 * (rr * ray.dz - climb * p.dz);
-            crossing = -determinant;
             const double d_tau = (f1 * p.dz - 2.0 * rr * f2) / determinant;
             const double d_u = (f1 * ray.dz - 2.0 * climb * f2) / determinant;
             // Near a tangency the system is singular; the bracketed root is then the better answer.
@@ -405,10 +442,10 @@ class Revolved {
             }
             u += d_u;
             tau += d_tau;
-            if (std::fabs(d_u) < 1e-12) break;
+            if (std::fabs(d_u) < 1e-13) break;
             p = piece.at(u);
         }
-        visit(Hit{tau + ray.shift, crossing < 0.0, number, u, 0.0});
+        visit(Hit{tau + ray.shift, function.entering(rising), number, u, 0.0});
     }
 
     std::vector<Piece> pieces_;
