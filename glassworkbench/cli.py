@@ -1,0 +1,411 @@
+"""The command line: honest exit codes, errors in one sentence, and nothing on stdout but the answer."""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import hashlib
+import json
+import math
+import re
+import signal
+import sys
+import time
+import traceback
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from pathlib import Path
+
+from glassworkbench import __version__
+from glassworkbench.errors import Cancelled, GlassWorkbenchError, InputError
+from glassworkbench.glass import catalogue, fillings, find_glass
+from glassworkbench.images import IMAGE_ENDINGS, Image
+from glassworkbench.output import check_writable, written_aside
+from glassworkbench.scene import Revolved, Scene, Surface
+from glassworkbench.scene.file import read_scene
+from glassworkbench.settings import unknown_name
+from glassworkbench.stations import check_station, parse_fill, station, stations
+from glassworkbench.tracer import Cancel, render
+from glassworkbench.tracer.plan import EFFECTS
+
+DONE, FAILED, BAD_INPUT = 0, 1, 2
+
+CONTAINER_ENDINGS = (".step", ".stp", ".brep", ".fcstd", ".stl")
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Run the command line.
+
+    Parameters
+    ----------
+    arguments : sequence of str
+        What the user typed after the program's name.
+
+    Returns
+    -------
+    int
+        The exit code: 0 done, 1 failed or cancelled, 2 bad input.
+    """
+    verbose = "--verbose" in arguments
+    try:
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
+        options = _parse(arguments)
+        options.run(options)
+        sys.stdout.flush()
+    except SystemExit as stop:
+        # argparse leaves this way after --help and --version.
+        return int(stop.code or DONE)
+    except InputError as error:
+        return _told(error, BAD_INPUT, verbose)
+    except (KeyboardInterrupt, Cancelled):
+        return _told("cancelled", FAILED, verbose)
+    except GlassWorkbenchError as error:
+        return _told(error, FAILED, verbose)
+    except Exception as error:
+        return _told(f"unexpected {type(error).__name__}: {error}; --verbose shows where", FAILED, verbose)
+    return DONE
+
+
+def _told(error: object, code: int, verbose: bool) -> int:
+    if verbose:
+        traceback.print_exc()
+    print("glassworkbench:", " ".join(str(error).split()), file=sys.stderr)
+    return code
+
+
+class _Parser(argparse.ArgumentParser):
+    """A parser that complains in one sentence."""
+
+    def error(self, message: str) -> None:
+        raise InputError(f"{message}; {self.prog} --help tells more")
+
+
+def _parse(arguments: Sequence[str]) -> argparse.Namespace:
+    common = _Parser(add_help=False)
+    common.add_argument("--quiet", action="store_true", default=argparse.SUPPRESS, help="say nothing but the answer")
+    common.add_argument("--verbose", action="store_true", default=argparse.SUPPRESS, help="show where an error arose")
+    parser = _Parser(
+        prog="glassworkbench",
+        parents=[common],
+        allow_abbrev=False,
+        description="From the mold of a glass container to the container, and what light makes of it.",
+        epilog="glassworkbench VERB --help tells more about a verb.",
+    )
+    parser.set_defaults(quiet=False, verbose=False)
+    parser.add_argument("--version", action="version", version=f"GlassWorkbench {__version__}")
+    verbs = parser.add_subparsers(metavar="VERB", dest="verb", required=True)
+    for name, (prepare, run, summary, example) in _VERBS.items():
+        verb = verbs.add_parser(
+            name,
+            parents=[common],
+            allow_abbrev=False,
+            help=summary,
+            description=f"{summary[0].upper()}{summary[1:]}.",
+            epilog=f"Example: glassworkbench {name} {example}",
+        )
+        prepare(verb)
+        verb.set_defaults(run=run, verb_parser=verb)
+
+    asked = next((word for word in arguments if not word.startswith("-")), None)
+    if asked is not None and asked not in _VERBS:
+        raise unknown_name("verb", asked, _VERBS)
+    options, unknown = parser.parse_known_args(arguments)
+    if unknown and unknown[0].startswith("-"):
+        known = set(re.findall(r"(?<!\w)--[a-z]+", options.verb_parser.format_help()))
+        raise unknown_name(f"{asked}: option", unknown[0].partition("=")[0], known)
+    if unknown:
+        raise InputError(f"{asked}: {unknown[0]!r} is one argument too many; quote a name that holds spaces")
+    return options
+
+
+# inspect
+
+
+def _prepare_inspect(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("mold", metavar="MOLD", help="STEP, IGES, BREP or FCStd file")
+    parser.add_argument("--json", action="store_true", help="answer in JSON")
+
+
+def _inspect(options: argparse.Namespace) -> None:
+    from glassworkbench.mold import inspect
+
+    found = inspect(options.mold)
+    print(_json(found) if options.json else "\n".join(_lines(found)))
+
+
+def _lines(found: Mapping, indent: str = "") -> Iterator[str]:
+    for key, value in found.items():
+        label = f"{indent}{key.replace('_', ' ')}:"
+        if isinstance(value, Mapping):
+            yield label
+            yield from _lines(value, indent + "  ")
+        elif isinstance(value, (list, tuple)):
+            yield f"{label} {', '.join(_short(item) for item in value) or 'none'}"
+        else:
+            yield f"{label} {_short(value)}"
+
+
+def _short(value: object) -> str:
+    if isinstance(value, bool) or value is None:
+        return {True: "yes", False: "no", None: "unknown"}[value]
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+# hollow
+
+
+def _prepare_hollow(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("mold", metavar="MOLD", help="STEP, IGES, BREP or FCStd file of the container's outer shape")
+    _add_wall_options(parser, required=True)
+    parser.add_argument("--tolerance", type=float, metavar="MM", help="how far the wall may be from what was asked")
+    parser.add_argument("--seconds", type=float, default=120.0, metavar="S", help="time limit (120)")
+    parser.add_argument("-o", "--output", required=True, metavar="OUT", help="the ending decides: .step .brep .FCStd .stl")
+    _add_report_options(parser)
+
+
+def _hollow(options: argparse.Namespace) -> None:
+    output = check_writable(options.output, CONTAINER_ENDINGS)
+    _check_report(options)
+    container = _container(options, tolerance_mm=options.tolerance, seconds=options.seconds)
+    container.save(output)
+    report = container.report.to_json() | {"input": _input(options.mold), "version": __version__}
+    _answer(options, report, f"{output}: wall {options.wall}, {report['method']}, {report['weight_g']:.4g} g")
+
+
+def _add_wall_options(parser: argparse.ArgumentParser, required: bool) -> None:
+    parser.add_argument(
+        "--wall",
+        required=required,
+        metavar="SPEC",
+        help="thickness in mm, as 3, or 'finish=2.5 body=2 base=5', or @wall.csv with height_mm,thickness_mm",
+    )
+    parser.add_argument("--method", metavar="M", help="how to hollow (auto)")
+
+
+def _container(options: argparse.Namespace, **limits: float | None) -> object:
+    """Return the wall room's container; FreeCAD is imported here and not before, as other verbs run without it."""
+    from glassworkbench.wall import hollow, parse_thickness
+
+    thickness = parse_thickness(options.wall)
+    from glassworkbench.mold import read_mold
+
+    return hollow(read_mold(options.mold), thickness, method=options.method or "auto", **limits)
+
+
+# render
+
+
+def _prepare_render(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("mold", metavar="INPUT", help="a mold (STEP, IGES, BREP, FCStd) or a scene file (.toml)")
+    parser.add_argument(
+        "-o",
+        "--output",
+        required=True,
+        action="append",
+        metavar="IMAGE",
+        help=f"{' '.join(IMAGE_ENDINGS)}; may be given again, to write the image in several formats",
+    )
+    _add_wall_options(parser, required=False)
+    parser.add_argument("--station", metavar="S", help="where it is seen (studio); the verb stations lists them")
+    parser.add_argument("--glass", metavar="G", help="what it is made of (flint); the verb glasses lists them")
+    parser.add_argument("--fill", metavar="LIQUID[:LEVEL_MM]", help="what it holds, and up to what height")
+    parser.add_argument("--size", type=_size, metavar="WxH", help="of the image, in pixels (480x640)")
+    price = parser.add_mutually_exclusive_group()
+    price.add_argument("--tolerance", type=float, metavar="T", help="accepted error of a pixel; white is 1 (0.01)")
+    price.add_argument("--seconds", type=float, metavar="S", help="refine until this time is over")
+    parser.add_argument("--effects", choices=("auto", "all", "none"), default="auto", help="what to trace (auto)")
+    parser.add_argument(
+        "--effect", type=_effect, action="append", default=[], metavar="NAME=on|off", help=f"of {', '.join(EFFECTS)}"
+    )
+    parser.add_argument("--exposure", type=float, default=0.0, metavar="STOPS", help="of .png and .jpg (0)")
+    parser.add_argument("--threads", type=int, metavar="N", help="all processors where not given")
+    _add_report_options(parser)
+
+
+def _size(text: str) -> tuple[int, int]:
+    found = re.fullmatch(r"(\d+)[xX](\d+)", text)
+    if found is None:
+        raise argparse.ArgumentTypeError(f"{text!r} is no size; write width and height, as 480x640")
+    return int(found[1]), int(found[2])
+
+
+def _effect(text: str) -> tuple[str, bool]:
+    name, _, state = text.partition("=")
+    if state not in ("on", "off"):
+        raise argparse.ArgumentTypeError(f"{text!r}: write NAME=on or NAME=off")
+    if name not in EFFECTS:
+        raise unknown_name("effect", name, EFFECTS)
+    return name, state == "on"
+
+
+def _render(options: argparse.Namespace) -> None:
+    started = time.perf_counter()
+    outputs = [check_writable(path, IMAGE_ENDINGS) for path in options.output]
+    _check_report(options)
+    for name in ("tolerance", "seconds", "threads"):
+        value = getattr(options, name)
+        if value is not None and not 0 < value < math.inf:
+            raise InputError(f"--{name}: must be above 0, got {value:g}")
+    if not abs(options.exposure) <= 100.0:
+        raise InputError(f"--exposure: must lie between -100 and 100 stops, got {options.exposure:g}")
+    everything = {"auto": {}, "all": dict.fromkeys(EFFECTS, True), "none": dict.fromkeys(EFFECTS, False)}
+    scene = _scene(options)
+    set_up_seconds = time.perf_counter() - started
+    image = _traced(scene, options, everything[options.effects] | dict(options.effect))
+    for path in outputs:
+        image.save(path, options.exposure)
+    report = dict(image.report) | {"set_up_seconds": round(set_up_seconds, 3), "input": _input(options.mold)}
+    error = report["certificate"]["total_p99"]
+    names = ", ".join(map(str, outputs))
+    width, height = scene.size
+    _answer(options, report, f"{names}: {width}x{height}, {report['seconds']:.1f} s, 99 % of pixels within {error:.2g}")
+
+
+def _scene(options: argparse.Namespace) -> Scene:
+    if Path(options.mold).suffix.lower() == ".toml":
+        for name in ("wall", "method", "station", "glass", "fill"):
+            if getattr(options, name) is not None:
+                raise InputError(f"--{name}: the scene file {options.mold} says it; leave the option out")
+        scene = read_scene(options.mold, _read_step)
+        return scene if options.size is None else dataclasses.replace(scene, size=options.size)
+    glass = find_glass(options.glass or "flint")
+    fill = parse_fill(options.fill) if options.fill else None
+    view = options.station or "studio"
+    check_station(view)
+    if options.wall is None:
+        raise InputError(f"--wall: is missing; say how thick the wall of {options.mold} shall be, as --wall 3")
+    geometry = _container(options).geometry()
+    scene = station(view, geometry, glass, fill, options.size or (480, 640))
+    told = {"mold": Path(options.mold).name, "wall": options.wall}
+    return dataclasses.replace(scene, metadata=told | dict(scene.metadata))
+
+
+def _read_step(path: Path) -> Surface:
+    """Return the surface of a scene file's STEP body where the file has it; exact if it is one of revolution."""
+    from glassworkbench.mold import outer_meridian, read_mold, tessellate
+
+    mold = read_mold(path)
+    if mold.anatomy.is_revolved:
+        return Revolved(outer_meridian(mold), mold.placement[:3, 3], mold.placement[:3, 2])
+    return tessellate(mold.solid)
+
+
+def _traced(scene: Scene, options: argparse.Namespace, effects: Mapping[str, bool]) -> Image:
+    """Render on another thread, so that this one hears Ctrl-C while the native core works."""
+    cancel = Cancel()
+    with _bar("rendering", options.quiet) as progress, ThreadPoolExecutor(1) as worker:
+        image = worker.submit(
+            render,
+            scene,
+            tolerance=options.tolerance,
+            seconds=options.seconds,
+            threads=options.threads,
+            effects=effects,
+            cancel=cancel,
+            progress=progress,
+        )
+        try:
+            return image.result()
+        finally:
+            cancel.set()
+
+
+@contextmanager
+def _bar(label: str, quiet: bool) -> Iterator[Callable[[float], None] | None]:
+    """Give a function that shows the share done (0 to 1) on a terminal's stderr, or None where there is none."""
+    if quiet or not sys.stderr.isatty():
+        yield None
+        return
+    try:
+        from tqdm import tqdm
+    except ImportError:
+        yield None
+        return
+    with tqdm(total=1.0, desc=label, leave=False, bar_format="{desc} {percentage:3.0f}% |{bar}| {elapsed}") as bar:
+        yield lambda share: bar.update(share - bar.n)
+
+
+# glasses and stations
+
+
+def _prepare_catalogue(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--json", action="store_true", help="answer in JSON")
+
+
+def _glasses(options: argparse.Namespace) -> None:
+    groups = {"glasses": catalogue(), "fillings": fillings()}
+    if options.json:
+        print(_json({group: [vars(material) for material in known.values()] for group, known in groups.items()}))
+        return
+    for group, path_mm in (("glasses", 3), ("fillings", 60)):
+        print(f"{group:15} index    R,G,B passed by {path_mm} mm")
+        for material in groups[group].values():
+            red, green, blue = 100.0 * material.transmittance(path_mm)
+            passed = f"{red:3.0f} {green:3.0f} {blue:3.0f} %"
+            print(f"  {material.name:13} {material.refractive_index:.5f}  {passed}   {material.description}")
+
+
+def _stations(options: argparse.Namespace) -> None:
+    known = stations()
+    print(_json(known) if options.json else "\n".join(f"{name:10} {what}" for name, what in known.items()))
+
+
+# what verbs share
+
+
+def _add_report_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--report", metavar="R.json", help="write what was done and what it cost")
+    parser.add_argument("--json", action="store_true", help="answer with that report")
+
+
+def _check_report(options: argparse.Namespace) -> None:
+    if options.report is not None:
+        check_writable(options.report)
+
+
+def _answer(options: argparse.Namespace, report: Mapping, sentence: str) -> None:
+    if options.report is not None:
+        with written_aside(options.report) as aside:
+            aside.write_text(_json(report) + "\n", encoding="utf-8")
+    if options.json:
+        print(_json(report))
+    elif not options.quiet:
+        print(sentence)
+
+
+def _input(path: str) -> dict[str, str]:
+    return {"path": str(path), "sha256": hashlib.sha256(Path(path).read_bytes()).hexdigest()}
+
+
+def _json(value: object) -> str:
+    return json.dumps(_plain(value), indent=2, ensure_ascii=False, allow_nan=False)
+
+
+def _plain(value: object) -> object:
+    """Return what JSON can hold: lists for arrays, None for what is not finite."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if hasattr(value, "tolist"):
+        return _plain(value.tolist())
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+_VERBS = {
+    "inspect": (_prepare_inspect, _inspect, "say what a mold file holds", "bottle.step"),
+    "hollow": (_prepare_hollow, _hollow, "give a mold a wall", "bottle.step --wall 3 -o container.step"),
+    "render": (
+        _prepare_render,
+        _render,
+        "show what light makes of a container",
+        "bottle.step --wall 3 --glass emerald --station studio -o bottle.png",
+    ),
+    "glasses": (_prepare_catalogue, _glasses, "list the glasses and the liquids that fill them", "--json"),
+    "stations": (_prepare_catalogue, _stations, "list the stations where a container is seen", ""),
+}
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
