@@ -25,7 +25,7 @@ class Ellipsoid {
     // Calls visit(hit) for both crossings. The ray is shifted to its closest approach to the centre of the unit
     // sphere, so the discriminant is formed without cancellation.
     template <class Visit>
-    void crossings(const Ray& ray, double, const double&, Visit&& visit) const {
+    void crossings(const Ray& ray, double, const double&, const Hit&, Visit&& visit) const {
         const Vector o = to_sphere(ray.origin - centre_);
         const Vector d = to_sphere(ray.direction);
         const double a = dot(d, d);

@@ -36,7 +36,7 @@ class Mesh {
     const Box& bounds() const { return nodes_.front().box; }
 
     template <class Visit>
-    void crossings(const Ray& ray, double t_min, const double& t_best, Visit&& visit) const {
+    void crossings(const Ray& ray, double t_min, const double& t_best, const Hit& start, Visit&& visit) const {
         const Shear shear(ray);
         const Vector inverse = {1.0 / ray.direction.x, 1.0 / ray.direction.y, 1.0 / ray.direction.z};
         std::int32_t stack[128];
@@ -46,7 +46,8 @@ class Mesh {
             const Node& node = nodes_[stack[--depth]];
             if (!overlaps(node.box, ray.origin, inverse, t_min, t_best)) continue;
             if (node.count > 0) {
-                for (std::int32_t i = node.first; i < node.first + node.count; ++i) test(ray, shear, i, visit);
+                for (std::int32_t i = node.first; i < node.first + node.count; ++i)
+                    if (i != start.part) test(ray, shear, i, visit);
                 continue;
             }
             const bool second_first = ray.direction[node.axis] < 0.0;

@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "lanes.hpp"
 #include "meridian.hpp"
 #include "vector.hpp"
 
@@ -54,10 +55,11 @@ class Revolved {
 
     const Box& bounds() const { return bounds_; }
 
+    // Calls visit(hit) for the crossings with t in [t_min, t_best], which the visitor may shorten as it goes. `start` is
+    // the hit that the ray starts at, if it starts on this surface: that root is not looked for again.
     template <class Visit>
-    void crossings(const Ray& ray, double t_min, const double& t_best, Visit&& visit) const {
-        const Chart chart(*this, ray);
-        walk(chart, t_min, t_best, visit);
+    void crossings(const Ray& ray, double t_min, const double& t_best, const Hit& start, Visit&& visit) const {
+        walk(Chart(*this, ray), t_min, t_best, start, visit);
     }
 
     void place(const Ray& ray, const Hit& hit, Vector& point, Vector& normal) const {
@@ -82,10 +84,10 @@ class Revolved {
     Vector facet_normal(const Hit&, const Vector& normal) const { return normal; }
 
   private:
-    static constexpr int width = 8;
+    static constexpr int width = lane_count;
 
-    struct alignas(64) Node {
-        double r2_low[width], r2_high[width], z_low[width], z_high[width];
+    struct Node {
+        Lanes r2_low, r2_high, z_low, z_high;
         std::int32_t child[width];  // a node, or ~piece
         int count = 0;
     };
@@ -164,42 +166,32 @@ class Revolved {
     }
 
     // For each child the interval of tau in which the ray can be inside its box: the slab of z, then the annulus of r,
-    // whose r^2 is a convex function of tau.
-    static void reach(const Node& node, const Chart& ray, double tau_low, double tau_high, double (&low)[width],
-                      double (&high)[width]) {
-        for (int k = 0; k < width; ++k) {
-            const double t1 = (node.z_low[k] - ray.z0) * ray.inverse_dz;
-            const double t2 = (node.z_high[k] - ray.z0) * ray.inverse_dz;
-            double lo = t1 < t2 ? t1 : t2;
-            double hi = t1 < t2 ? t2 : t1;
-            lo = lo > tau_low ? lo : tau_low;
-            hi = hi < tau_high ? hi : tau_high;
-            if (ray.flat) {
-                const double outer = (node.r2_high[k] - ray.C) * ray.inverse_A;
-                const double inner = (node.r2_low[k] - ray.C) * ray.inverse_A;
-                const double far = std::sqrt(outer > 0.0 ? outer : 0.0);
-                const double near = std::sqrt(inner > 0.0 ? inner : 0.0);
-                lo = lo > -far ? lo : -far;
-                hi = hi < far ? hi : far;
-                lo = lo > -near && lo < near ? near : lo;
-                hi = hi > -near && hi < near ? -near : hi;
-                hi = outer < 0.0 ? -INFINITY : hi;
-            } else {
-                const double bottom = -ray.B * ray.inverse_A;
-                const double nearest = bottom < lo ? lo : bottom > hi ? hi : bottom;
-                const double r2_min = ray.C + nearest * (2.0 * ray.B + nearest * ray.A);
-                const double r2_lo = ray.C + lo * (2.0 * ray.B + lo * ray.A);
-                const double r2_hi = ray.C + hi * (2.0 * ray.B + hi * ray.A);
-                const double r2_max = r2_lo > r2_hi ? r2_lo : r2_hi;
-                hi = r2_min > node.r2_high[k] || r2_max < node.r2_low[k] ? -INFINITY : hi;
-            }
-            low[k] = lo;
-            high[k] = hi;
+    // whose r^2 is a convex function of tau. Empty where high < low.
+    static void reach(const Node& node, const Chart& ray, double tau_low, double tau_high, Lanes& low, Lanes& high) {
+        const Lanes t1 = (node.z_low - ray.z0) * ray.inverse_dz, t2 = (node.z_high - ray.z0) * ray.inverse_dz;
+        low = larger(smaller(t1, t2), every(tau_low));
+        high = smaller(larger(t1, t2), every(tau_high));
+        const Lanes nothing = every(-INFINITY);
+        if (ray.flat) {
+            const Lanes outer = (node.r2_high - ray.C) * ray.inverse_A, inner = (node.r2_low - ray.C) * ray.inverse_A;
+            const Lanes far = square_root(larger(outer, every(0.0))), near = square_root(larger(inner, every(0.0)));
+            low = larger(low, -far);
+            high = smaller(high, far);
+            low = low > -near ? larger(low, near) : low;
+            high = high < near ? smaller(high, -near) : high;
+            high = outer < every(0.0) ? nothing : high;
+        } else {
+            const Lanes nearest = smaller(larger(every(-ray.B * ray.inverse_A), low), high);
+            const Lanes r2_low = ray.C + low * (2.0 * ray.B + low * ray.A);
+            const Lanes r2_high = ray.C + high * (2.0 * ray.B + high * ray.A);
+            const Lanes r2_nearest = ray.C + nearest * (2.0 * ray.B + nearest * ray.A);
+            high = r2_nearest > node.r2_high ? nothing : high;
+            high = larger(r2_low, r2_high) < node.r2_low ? nothing : high;
         }
     }
 
     template <class Visit>
-    void walk(const Chart& ray, double t_min, const double& t_best, Visit&& visit) const {
+    void walk(const Chart& ray, double t_min, const double& t_best, const Hit& start, Visit&& visit) const {
         struct Entry {
             double low, high;
             std::int32_t child;
@@ -211,13 +203,12 @@ class Revolved {
             const Entry entry = stack[--depth];
             if (entry.low > t_best - ray.shift) continue;
             if (entry.child < 0) {
-                solve(ray, ~entry.child, entry.low, entry.high, visit);
+                solve(ray, ~entry.child, entry.low, entry.high, start, visit);
                 continue;
             }
             const Node& node = nodes_[entry.child];
-            alignas(64) double low[width], high[width];
-            const double slack = margin_;
-            reach(node, ray, t_min - ray.shift - slack, t_best - ray.shift + slack, low, high);
+            Lanes low, high;
+            reach(node, ray, t_min - ray.shift - margin_, t_best - ray.shift + margin_, low, high);
             // Nearest last, so that it is taken first.
             const int first = depth;
             for (int k = 0; k < node.count; ++k) {
@@ -233,16 +224,19 @@ class Revolved {
     }
 
     template <class Visit>
-    void solve(const Chart& ray, int number, double tau_low, double tau_high, Visit&& visit) const {
+    void solve(const Chart& ray, int number, double tau_low, double tau_high, const Hit& start,
+               Visit&& visit) const {
         const Piece& piece = pieces_[number];
+        const double u_start = number == start.part ? start.u : -1.0;
         if (!ray.flat) {
-            isolate(SteepChart(ray, piece), ray, number, visit);
+            isolate(SteepChart(ray, piece), ray, number, u_start, visit);
             return;
         }
         if (std::fmax(piece.r_start, piece.r_end) <= ray.c) return;
         for (const double side : {-1.0, 1.0}) {
             if (side < 0.0 ? tau_low > 0.0 : tau_high < 0.0) continue;
-            isolate(FlatChart(ray, piece, side), ray, number, visit);
+            const bool started_here = side * ray.shift < 0.0;
+            isolate(FlatChart(ray, piece, side), ray, number, started_here ? u_start : -1.0, visit);
         }
     }
 
@@ -363,27 +357,32 @@ class Revolved {
         return u;
     }
 
+    template <class Function>
+    struct Part {
+        double low, high;
+        Value at_low, at_high;
+    };
+
     // Splits the piece until g, seen as the cubic with its end values and slopes, can have at most one root on a part.
     // The bends of the piece and of the hyperbola may add up to an inflection of g, so end slopes alone are not enough.
     template <class Function, class Visit>
-    void isolate(const Function& function, const Chart& ray, int number, Visit&& visit) const {
-        struct Part {
-            double low, high;
-            Value at_low, at_high;
-        };
+    void isolate(const Function& function, const Chart& ray, int number, double u_start, Visit&& visit) const {
         constexpr int deepest_split = 48;
-        Part parts[deepest_split + 2];
+        Part<Function> parts[deepest_split + 2];
         int count = 0;
         parts[count++] = {0.0, function.x_end, function.start(), function.end()};
         while (count > 0) {
-            const Part part = parts[--count];
+            const Part<Function> part = parts[--count];
             const double third = (part.high - part.low) / 3.0;
             const double g0 = part.at_low.g, g3 = part.at_high.g;
             const double g1 = g0 + third * part.at_low.slope, g2 = g3 - third * part.at_high.slope;
             const bool monotone = g3 > g0 ? g1 >= g0 && g2 >= g1 && g3 >= g2 : g1 <= g0 && g2 <= g1 && g3 <= g2;
             const bool crosses = (g0 >= 0.0) != (g3 >= 0.0);
             if (monotone || count + 2 > deepest_split || !(part.high - part.low > 1e-14)) {
-                if (crosses) report(function, ray, number, root(function, part.low, g0, part.high, g3), g3 >= 0.0, visit);
+                if (!crosses) continue;
+                const double u_low = function.parameter(part.low), u_high = function.parameter(part.high);
+                if (u_start >= std::fmin(u_low, u_high) && u_start <= std::fmax(u_low, u_high)) continue;
+                report(function, ray, number, part, visit);
                 continue;
             }
             if (!crosses) {
@@ -399,53 +398,82 @@ class Revolved {
         }
     }
 
+    // The cubic through both ends with x as a function of g: where it says that g is zero.
+    template <class Function>
+    static double guess(const Part<Function>& part) {
+        const double g0 = part.at_low.g, g1 = part.at_high.g, span = g1 - g0;
+        const double s = -g0 / span, t = 1.0 - s;
+        const double m0 = span / part.at_low.slope, m1 = span / part.at_high.slope;
+        const double x = t * t * (1.0 + 2.0 * s) * part.low + s * s * (3.0 - 2.0 * s) * part.high + s * t * t * m0 -
+                         s * s * t * m1;
+        return x >= part.low && x <= part.high ? x : part.low + s * (part.high - part.low);
+    }
+
     // Newton within a bracket, by bisection where Newton leaves it.
     template <class Function>
-    static double root(const Function& function, double low, double g_low, double high, double g_high) {
-        const bool rising = g_low < 0.0;
-        double u = low + (high - low) * (g_low / (g_low - g_high));
-        if (!(u > low && u < high)) u = 0.5 * (low + high);
+    static double root(const Function& function, const Part<Function>& part) {
+        const bool rising = part.at_low.g < 0.0;
+        double low = part.low, high = part.high, x = guess(part);
         double previous = high - low;
         for (int i = 0; i < 80; ++i) {
-            const Value value = function.at(u);
-            ((value.g < 0.0) == rising ? low : high) = u;
-            double next = u - value.g / value.slope;
+            const Value value = function.at(x);
+            ((value.g < 0.0) == rising ? low : high) = x;
+            double next = x - value.g / value.slope;
             if (!(next >= low && next <= high)) next = 0.5 * (low + high);
-            const double step = std::fabs(next - u);
-            u = next;
+            const double step = std::fabs(next - x);
+            x = next;
             // Near a double root Newton's steps only halve, and a small one does not mean that the root is near.
             if (step < 1e-15 || (step < 1e-9 && step < 0.01 * previous)) break;
             previous = step;
         }
-        return u;
+        return x;
     }
 
-    template <class Function, class Visit>
-    void report(const Function& function, const Chart& ray, int number, double x, bool rising, Visit&& visit) const {
-        const Piece& piece = pieces_[number];
-        double u = function.parameter(x);
-        CurvePoint p = piece.at(u);
-        double tau = function.tau(x, p);
-        for (int i = 0; i < 4; ++i) {
+    struct Root {
+        double u, tau;
+        bool converged;
+    };
+
+    // Newton in (u, tau) together: no square root, so full accuracy where the charts' own would lose it.
+    Root polished(const Piece& piece, const Chart& ray, double u, double tau) const {
+        double step = 1.0;
+        for (int i = 0; i < 5; ++i) {
+            const CurvePoint p = piece.at(u);
             const double f1 = ray.C + tau * (2.0 * ray.B + tau * ray.A) - p.r * p.r;
             const double f2 = ray.z0 + tau * ray.dz - p.z;
             const double climb = ray.B + ray.A * tau;
             const double rr = p.r * p.dr;
-            const double determinant = 2.0 * (rr * ray.dz - climb * p.dz);
-            const double d_tau = (f1 * p.dz - 2.0 * rr * f2) / determinant;
-            const double d_u = (f1 * ray.dz - 2.0 * climb * f2) / determinant;
-            // Near a tangency the system is singular; the bracketed root is then the better answer.
-            if (!(std::fabs(d_u) < 1e-6) || !(std::fabs(d_tau) < margin_ * 1e3)) break;
-            if (u + d_u < 0.0 || u + d_u > 1.0) {
-                tau += d_tau;
-                break;
-            }
+            const double inverse = 0.5 / (rr * ray.dz - climb * p.dz);
+            const double d_u = (f1 * ray.dz - 2.0 * climb * f2) * inverse;
             u += d_u;
-            tau += d_tau;
-            if (std::fabs(d_u) < 1e-13) break;
-            p = piece.at(u);
+            tau += (f1 * p.dz - 2.0 * rr * f2) * inverse;
+            const double before = step;
+            step = std::fabs(d_u);
+            if (step < 1e-8 && step < 0.01 * before) return {u, tau, true};
+            if (!(step < 0.25)) break;
         }
-        visit(Hit{tau + ray.shift, function.entering(rising), number, u, 0.0});
+        return {u, tau, false};
+    }
+
+    template <class Function, class Visit>
+    void report(const Function& function, const Chart& ray, int number, const Part<Function>& part,
+                Visit&& visit) const {
+        const Piece& piece = pieces_[number];
+        double x = guess(part);
+        double u = function.parameter(x);
+        Root found = polished(piece, ray, u, function.tau(x, piece.at(u)));
+        const double u_low = function.parameter(part.low), u_high = function.parameter(part.high);
+        const double slack = 1e-9;
+        if (!found.converged || !(found.u >= std::fmin(u_low, u_high) - slack) ||
+            !(found.u <= std::fmax(u_low, u_high) + slack)) {
+            x = root(function, part);
+            u = function.parameter(x);
+            const double tau = function.tau(x, piece.at(u));
+            found = polished(piece, ray, u, tau);
+            if (!found.converged || !(std::fabs(found.u - u) < 1e-6)) found = {u, tau, false};
+        }
+        const double on_piece = std::fmin(std::fmax(found.u, 0.0), 1.0);
+        visit(Hit{found.tau + ray.shift, function.entering(part.at_high.g >= 0.0), number, on_piece, 0.0});
     }
 
     std::vector<Piece> pieces_;

@@ -36,19 +36,25 @@ std::int32_t guarded(Work&& work) {
     }
 }
 
-// Runs work(i) for i in [0, n), in chunks that threads take in turn. Which thread does which chunk changes nothing:
-// each i writes its own results.
+glass::Settings settings_from(const glass_settings& s) {
+    return {s.cutoff, std::clamp<std::int32_t>(s.maximum_depth, 1, 1000), s.absorption != 0};
+}
+
+// Runs work(transport, i) for i in [0, n), in chunks that threads take in turn. Which thread does which chunk changes
+// nothing: each i writes its own results.
 template <class Work>
-std::int32_t share(std::int64_t n, std::int32_t threads, glass_control* control, Work&& work) {
+std::int32_t share(const glass_scene* scene, const glass_settings* settings, std::int64_t n, std::int32_t threads,
+                   glass_control* control, Work&& work) {
     constexpr std::int64_t chunk = 16;
     std::atomic<std::int64_t> next{0};
     const auto cancelled = [&] { return __atomic_load_n(&control->cancel, __ATOMIC_RELAXED) != 0; };
     const auto run = [&] {
+        glass::Transport transport(scene->scene, settings_from(*settings));
         for (;;) {
             const std::int64_t first = next.fetch_add(chunk, std::memory_order_relaxed);
             if (first >= n || cancelled()) return;
             const std::int64_t last = std::min(n, first + chunk);
-            for (std::int64_t i = first; i < last; ++i) work(i);
+            for (std::int64_t i = first; i < last; ++i) work(transport, i);
             __atomic_fetch_add(&control->done, last - first, __ATOMIC_RELAXED);
         }
     };
@@ -57,10 +63,6 @@ std::int32_t share(std::int64_t n, std::int32_t threads, glass_control* control,
     run();
     for (std::thread& other : others) other.join();
     return cancelled() ? GLASS_CANCELLED : GLASS_OK;
-}
-
-glass::Settings settings_from(const glass_settings& s) {
-    return {s.cutoff, std::clamp<std::int32_t>(s.maximum_depth, 1, 1000), s.absorption != 0};
 }
 
 template <class Surface>
@@ -172,9 +174,7 @@ GLASS_EXPORT int32_t glass_radiance(const glass_scene* scene, const glass_settin
                                     double* radiance, double* bound, double* depth, int64_t* crossings,
                                     int64_t* leaks) {
     return guarded([&] {
-        const glass::Settings chosen = settings_from(*settings);
-        const glass::Transport transport(scene->scene, chosen);
-        return share(n, threads, control, [&](std::int64_t i) {
+        return share(scene, settings, n, threads, control, [&](glass::Transport& transport, std::int64_t i) {
             const glass::Ray ray{vector(origins + 3 * i), glass::normalised(vector(directions + 3 * i))};
             const glass::Answer answer = transport.radiance(ray);
             radiance[3 * i] = answer.radiance.r;
@@ -193,8 +193,6 @@ GLASS_EXPORT int32_t glass_sample(const glass_scene* scene, const glass_settings
                                   uint32_t first, uint32_t last, double* sum, double* low, double* high, double* bound,
                                   double* depth, int64_t* totals) {
     return guarded([&] {
-        const glass::Settings chosen = settings_from(*settings);
-        const glass::Transport transport(scene->scene, chosen);
         glass::Camera view;
         view.parallel = camera->parallel != 0;
         view.origin = vector(camera->origin);
@@ -205,7 +203,7 @@ GLASS_EXPORT int32_t glass_sample(const glass_scene* scene, const glass_settings
         view.width = camera->width;
         view.height = camera->height;
         std::atomic<std::int64_t> crossings{0}, leaks{0};
-        const std::int32_t outcome = share(n, threads, control, [&](std::int64_t i) {
+        const std::int32_t outcome = share(scene, settings, n, threads, control, [&](glass::Transport& transport, std::int64_t i) {
             const std::int64_t pixel = pixels[i];
             const double column = static_cast<double>(pixel % camera->width);
             const double row = static_cast<double>(pixel / camera->width);
@@ -238,9 +236,8 @@ GLASS_EXPORT int32_t glass_sample(const glass_scene* scene, const glass_settings
 GLASS_EXPORT int64_t glass_follow(const glass_scene* scene, const double* origin, const double* direction, int64_t room,
                                   int32_t* numbers, double* values) {
     try {
-        const glass::Settings settings;
         int64_t count = 0;
-        glass::Transport(scene->scene, settings)
+        glass::Transport(scene->scene, glass::Settings{})
             .follow({vector(origin), glass::normalised(vector(direction))}, [&](const glass::Crossing& c) {
                 if (count >= room) return false;
                 int32_t* const n = numbers + 4 * count;

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <vector>
 
 #include "fresnel.hpp"
 #include "scene.hpp"
@@ -34,20 +35,20 @@ struct Crossing {
 };
 
 constexpr int longest_path = 4096;  // crossings of any kind along one path, interfaces or not
-constexpr int deepest = 1024;
 
+// One for each thread: it keeps its stack of waiting rays from one camera ray to the next.
 class Transport {
   public:
     Transport(const Scene& scene, const Settings& settings) : scene_(scene), settings_(settings) {}
 
-    Answer radiance(const Ray& camera_ray) const {
+    Answer radiance(const Ray& camera_ray) {
         return settings_.absorption ? trace<true>(camera_ray) : trace<false>(camera_ray);
     }
 
     // The path of the refracted ray (the reflected one where reflection is total), interface by interface.
     template <class Record>
     void follow(const Ray& start, Record&& record) const {
-        Path path{start, {1, 1, 1}, inside_bits(start), 0, 0, -1};
+        Path path{start, {1, 1, 1}, inside_bits(start), 0, 0, -1, {}};
         Answer answer;
         for (int i = 0; i < longest_path; ++i) {
             const Next next = nearest(path);
@@ -69,6 +70,7 @@ class Transport {
         int depth;      // interfaces so far
         int crossings;  // crossings of any kind so far
         int last_body;
+        Hit last_hit;
     };
 
     struct Next {
@@ -92,7 +94,7 @@ class Transport {
                     if (!surface.bounds().contains(ray.origin)) return;
                     int count = 0;
                     const double everything = INFINITY;
-                    surface.crossings(ray, 0.0, everything, [&](const Hit& hit) { count += hit.t > 0.0; });
+                    surface.crossings(ray, 0.0, everything, Hit{}, [&](const Hit& hit) { count += hit.t > 0.0; });
                     bits |= static_cast<std::uint32_t>(count & 1) << k;
                 },
                 scene_.bodies[k]);
@@ -115,7 +117,8 @@ class Transport {
                 next.hit = hit;
                 next.body = k;
             };
-            std::visit([&](const auto& surface) { surface.crossings(path.ray, lowest, best, visit); },
+            std::visit([&](const auto& surface) { surface.crossings(path.ray, lowest, best, k == path.last_body ? path.last_hit : Hit{}, visit);
+                       },
                        scene_.bodies[k]);
         }
         next.hit.t = std::fmax(next.hit.t, 0.0);
@@ -172,24 +175,24 @@ class Transport {
 
     static Path reflected(const Path& path, const Next& next, const Meeting& m) {
         return {{m.point, reflected_direction(path, m)}, path.weight, path.bits, path.depth + 1, path.crossings + 1,
-                next.body};
+                next.body, next.hit};
     }
 
     static Path refracted(const Path& path, const Next& next, const Meeting& m) {
         const bool interface = m.medium_before != m.medium_after;
         return {{m.point, refracted_direction(path, m)}, path.weight, m.bits_after, path.depth + interface,
-                path.crossings + 1, next.body};
+                path.crossings + 1, next.body, next.hit};
     }
 
     template <bool absorbing>
-    Answer trace(const Ray& camera_ray) const {
+    Answer trace(const Ray& camera_ray) {
         Answer answer;
-        Path waiting[deepest + 1];
-        int count = 0;
-        waiting[count++] = {camera_ray, {1, 1, 1}, inside_bits(camera_ray), 0, 0, -1};
+        waiting_.clear();
+        waiting_.push_back({camera_ray, {1, 1, 1}, inside_bits(camera_ray), 0, 0, -1, {}});
         double travelled = 0.0;
-        while (count > 0) {
-            Path path = waiting[--count];
+        while (!waiting_.empty()) {
+            Path path = waiting_.back();
+            waiting_.pop_back();
             for (;;) {
                 const Next next = nearest(path);
                 double end = next.hit.t;
@@ -239,7 +242,7 @@ class Transport {
                 const bool back_counts = keep(back, answer), on_counts = keep(on, answer);
                 if (back_counts && on_counts) {
                     const bool back_first = reflectance > 0.5;
-                    waiting[count++] = back_first ? on : back;
+                    waiting_.push_back(back_first ? on : back);
                     path = back_first ? back : on;
                 } else if (back_counts) {
                     path = back;
@@ -261,7 +264,8 @@ class Transport {
     }
 
     const Scene& scene_;
-    const Settings& settings_;
+    const Settings settings_;
+    std::vector<Path> waiting_;
 };
 
 }  // namespace glass
