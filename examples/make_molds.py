@@ -89,10 +89,10 @@ Section = tuple[float, float, float, float]
 
 
 def skin(sections: Sequence[Section]) -> Part.Face:
-    """Return one smooth periodic B-spline face that has the sections as its control polygon over the height.
+    """Return one smooth periodic B-spline face with the sections as its control polygon over the height.
 
-    It is tangent to the first and last step between sections, and twice continuously differentiable everywhere, which is
-    what OCC asks of a surface that it is to offset.
+    It is tangent to the first and last step between sections, and twice continuously differentiable everywhere,
+    which is what OCC asks of a surface that it is to offset.
     """
     angles = 2.0 * np.pi * np.arange(ANGLES) / ANGLES
     # The poles of a uniform periodic cubic through given points: interpolation is a circular convolution with (1 4 1)/6.
@@ -174,42 +174,25 @@ def perfume_flacon() -> Part.Shape:
 
 
 def jar() -> Part.Shape:
-    """Wide mouth, 37 cl: height 118, diameter 76, a helical thread of one and a quarter turns on a finish of 62."""
-    profile = rounded(
-        [(0, 4), (16, 4, 40), (28, 0, 4), (38, 0, 6), (38, 92, 9), (33.5, 98, 4), (33.5, 99.8, 0.8), (31, 101.2, 1.2)]
-        + [(31, 118, 1.4), (0, 118)]
+    """Wide mouth, 37 cl: height 112, diameter 76, a twist-off finish of 62 with four thread segments."""
+    body = revolved(
+        rounded(
+            [(0, 4), (16, 4, 40), (28, 0, 4), (38, 0, 6), (38, 88, 9), (33.5, 94, 4), (33.5, 96.4, 0.9), (31, 97.8, 1.2)]
+            + [(31, 112, 1.4), (0, 112)]
+        )
     )
-    return revolved(profile).fuse(thread(31.0, 104.2, 6.4, 1.25)).removeSplitter().Solids[0]
+    return body.multiFuse([thread_segment(31.0, 105.5, turn) for turn in (20, 110, 200, 290)]).Solids[0]
 
 
-def thread(radius: float, low: float, pitch: float, turns: float) -> Part.Shape:
-    """Return a helical ridge, 1.2 high and 3 wide, that rises out of a cylinder and sinks back into it at both ends."""
-    stations = round(24 * turns) + 1
-    # The seam of the ridge's surface is turned inward, where the cylinder hides it.
-    around = 2.0 * np.pi * np.arange(12) / 12 + np.pi
-    poles = []
-    for share in np.linspace(0.0, 1.0, stations):
-        angle = 2.0 * np.pi * turns * share
-        run_out = min(1.0, min(share, 1.0 - share) * turns * 360.0 / 25.0)
-        depth = -0.9 - 2.2 * (1.0 - run_out) ** 2
-        ring = [(radius + depth + 2.6 * np.cos(a), low + pitch * turns * share + 2.3 * np.sin(a)) for a in around]
-        poles.append([FreeCAD.Vector(r * np.cos(angle), r * np.sin(angle), z) for r, z in ring])
-    spans = stations - 3
-    surface = Part.BSplineSurface()
-    surface.buildFromPolesMultsKnots(
-        [list(along) for along in zip(*poles, strict=True)],
-        [1] * 13,
-        [4, *[1] * (spans - 1), 4],
-        list(range(13)),
-        list(range(spans + 1)),
-        True,
-        False,
-        3,
-        3,
-    )
-    ridge = surface.toShape()
-    ends = [Part.Face(Part.Wire([edge])) for edge in ridge.Edges if edge.isClosed() and edge.Length < 30.0]
-    return solid([ridge, *ends])
+def thread_segment(radius: float, height: float, turn_degrees: float) -> Part.Shape:
+    """Return a ridge over an eighth of a turn that stands 1.5 out of a cylinder.
+
+    It is a piece of a torus, so that it meets the cylinder in exact circles and lines, which STEP keeps exact.
+    """
+    section = Part.Face(Part.Wire([Part.makeCircle(1.9, point(radius - 0.4, height), FreeCAD.Vector(0, 1, 0))]))
+    ridge = section.revolve(ORIGIN, Z_AXIS, 45)
+    ridge.rotate(ORIGIN, Z_AXIS, turn_degrees)
+    return ridge
 
 
 def wine_glass() -> Part.Shape:
