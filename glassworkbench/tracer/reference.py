@@ -14,7 +14,7 @@ import numpy as np
 from glassworkbench.errors import InputError
 from glassworkbench.scene import Environment, Panel, Scene
 from glassworkbench.tracer.reference_surfaces import Crosser, crosser, largest_coordinate_mm
-from glassworkbench.tracer.result import Radiance
+from glassworkbench.tracer.result import Crossing, Radiance
 
 TOUCHING = 1e-9
 """Crossings no farther than this from a ray's start, relative to the scene's coordinates, may be the surface it starts
@@ -25,35 +25,6 @@ MOST_STRAIGHT_CROSSINGS = 4096
 
 RAYS_AT_ONCE = 8192
 """Rays that are followed together; bounds the memory."""
-
-
-@dataclass(frozen=True, eq=False)
-class Crossing:
-    """Where a followed ray crosses the surface of a body.
-
-    Parameters
-    ----------
-    point_mm : array (3,)
-    direction : array (3,)
-        Unit direction in which the ray goes on.
-    body : str
-    entering : bool
-    medium_before, medium_after : int
-        0 is air, k the scene's k-th medium. Where they are equal there is nothing to see, and the ray goes straight.
-        After a reflection the ray is still in medium_before.
-    cos_incidence : float
-    reflectance : float
-        Of unpolarised light; 1 at total internal reflection.
-    """
-
-    point_mm: np.ndarray
-    direction: np.ndarray
-    body: str
-    entering: bool
-    medium_before: int
-    medium_after: int
-    cos_incidence: float
-    reflectance: float
 
 
 def fresnel(index_before: np.ndarray, index_after: np.ndarray, cos_incidence: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -117,9 +88,9 @@ def radiance(
 
 
 def follow(
-    scene: Scene, origin: np.ndarray, direction: np.ndarray, *, reflect_at: tuple[int, ...] = (), longest: int = 1000
+    scene: Scene, origin: np.ndarray, direction: np.ndarray, *, reflect_at: tuple[int, ...] = (), room: int = 1024
 ) -> list[Crossing]:
-    """Return the crossings of one path, in order.
+    """Return the interfaces along one path of a ray, in order, until it meets a light or `room` of them.
 
     Parameters
     ----------
@@ -127,36 +98,43 @@ def follow(
     origin : array (3,)
         In mm.
     direction : array (3,)
+        Of any length above 0.
     reflect_at : tuple of int
-        Crossings, counted from 0, where the path takes the reflected branch. Elsewhere it takes the refracted one,
-        where there is one.
-    longest : int
-        Crossings after which it stops.
+        Interfaces, counted from 0, at which the path takes the reflected branch; elsewhere it takes the refracted
+        one, unless reflection is total.
+    room : int
+        The most interfaces that are returned.
+
+    Raises
+    ------
+    InputError
+        If the direction has no length, or a number is not finite.
     """
     origins, directions = _checked_rays(np.reshape(origin, (1, 3)), np.reshape(direction, (1, 3)))
     tracing = _Tracing.of(scene)
     rays = _start(tracing, origins, directions)
     path: list[Crossing] = []
-    while len(path) < longest:
+    while len(path) < room and rays.straight[0] <= MOST_STRAIGHT_CROSSINGS:
         met = _next_crossing(tracing, rays)
         if met.body[0] < 0 or _meet_panels(tracing, rays, met.distance)[1][0] >= 0:
             break
         rays = rays.moved(met.distance)
         split = _split(tracing, rays, met)
-        reflects = split.reflectance[0] == 1.0 or len(path) in reflect_at
+        is_interface = split.medium_before[0] != split.medium_after[0]
+        reflects = is_interface and (split.reflectance[0] == 1.0 or len(path) in reflect_at)
         rays = split.reflected if reflects else split.refracted
-        path.append(
-            Crossing(
-                rays.origin[0],
-                rays.direction[0],
-                scene.bodies[met.body[0]].name,
-                bool(met.entering[0]),
-                int(split.medium_before[0]),
-                int(split.medium_after[0]),
-                float(split.cos_incidence[0]),
-                float(split.reflectance[0]),
+        if is_interface:
+            path.append(
+                Crossing(
+                    rays.origin[0],
+                    scene.bodies[met.body[0]].name,
+                    bool(met.entering[0]),
+                    int(split.medium_before[0]),
+                    int(split.medium_after[0]),
+                    float(split.cos_incidence[0]),
+                    float(split.reflectance[0]),
+                )
             )
-        )
     return path
 
 

@@ -21,7 +21,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-from numpy.polynomial import Polynomial
+from numpy.polynomial.polynomial import polyder, polymul, polyroots, polysub, polytrim
 
 from glassworkbench.scene import Revolved
 
@@ -31,8 +31,11 @@ PIECES_A_SEGMENT = 4
 SMALLEST_PART = 1e-13
 """Parts of a piece shorter than this in u are decided by the signs at their ends."""
 
+ROOT_TOLERANCE = 1e-13
+"""Of u in [0, 1]; crossings are polished afterwards."""
+
 MOST_STEPS = 200
-POLISHING_STEPS = 3
+POLISHING_STEPS = 2
 
 
 class RevolvedCrosser:
@@ -93,30 +96,28 @@ class _Pieces:
                 if high < 1.0:
                     nodes.append(part[3, :2] / part[3, 2])
         nodes.append(meridian[-1, 3, :2])
-        self.controls = np.array(controls)
+        self.powers = np.array([_power_coefficients(part) for part in controls]).transpose(1, 2, 0).copy()
         self.node_r, self.node_z = np.array(nodes).T.copy()
-        self.third_r, self.third_z = np.array([_third_derivative_bounds(part) for part in self.controls]).T
+        self.third_r, self.third_z = _third_derivative_bounds(np.array(controls))
         self.slack = 1e-12 * np.abs(nodes).max()
 
     def values(self, piece: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return r and z of pieces at parameters u in [0, 1]."""
-        x, y, w = _bernstein(self.controls[piece], u)
+        c0, c1, c2, c3 = self.powers[:, :, piece]
+        x, y, w = ((c3 * u + c2) * u + c1) * u + c0
         return x / w, y / w
 
     def derivatives(self, piece: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, ...]:
         """Return r, r', r'', z, z', z'' of pieces at parameters u in [0, 1]."""
-        points = self.controls[piece]
-        first = 3.0 * np.diff(points, axis=1)
-        second = 2.0 * np.diff(first, axis=1)
-        value, slope, bend = _bernstein(points, u), _bernstein(first, u), _bernstein(second, u)
+        c0, c1, c2, c3 = self.powers[:, :, piece]
+        value = ((c3 * u + c2) * u + c1) * u + c0
+        slope = (3.0 * c3 * u + 2.0 * c2) * u + c1
+        bend = 6.0 * c3 * u + 2.0 * c2
         weight = value[2]
-        result = []
-        for k in range(2):
-            f = value[k] / weight
-            df = (slope[k] - f * slope[2]) / weight
-            ddf = (bend[k] - 2.0 * df * slope[2] - f * bend[2]) / weight
-            result += [f, df, ddf]
-        return tuple(result)
+        f = value[:2] / weight
+        df = (slope[:2] - f * slope[2]) / weight
+        ddf = (bend[:2] - 2.0 * df * slope[2] - f * bend[2]) / weight
+        return f[0], df[0], ddf[0], f[1], df[1], ddf[1]
 
     def tangent(self, piece: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return r' and z', or the chord's direction where both vanish (control points may coincide)."""
@@ -129,14 +130,14 @@ class _Pieces:
 
 def _cuts(points: np.ndarray) -> np.ndarray:
     """Return parameters, 0 and 1 among them, between which r and z are monotone."""
-    x, y, w = (_power_form(points[:, k]) for k in range(3))
+    coefficients = _power_coefficients(points)
+    weight = coefficients[:, 2]
     cuts = list(np.linspace(0.0, 1.0, PIECES_A_SEGMENT + 1))
-    for coordinate in (x, y):
-        shifted = coordinate - w * (coordinate(0.0) / w(0.0))
-        slope = shifted.deriv() * w - shifted * w.deriv()
-        slope = slope.trim(1e-14 * max(np.abs(slope.coef).max(), 1e-300))
-        roots = slope.roots() if slope.degree() > 0 else np.empty(0)
-        cuts += [float(root.real) for root in roots if abs(root.imag) < 1e-7 and 1e-9 < root.real < 1.0 - 1e-9]
+    for k in range(2):
+        shifted = coefficients[:, k] - points[0, k] / points[0, 2] * weight
+        slope = polysub(polymul(polyder(shifted), weight), polymul(shifted, polyder(weight)))
+        slope = polytrim(slope, 1e-14 * max(np.abs(slope).max(), 1e-300))
+        cuts += [float(root.real) for root in polyroots(slope) if abs(root.imag) < 1e-7 and 0.0 < root.real < 1.0]
     cuts = np.sort(cuts)
     apart = np.append(True, np.diff(cuts) > 1e-9)
     apart[-1] = True
@@ -157,30 +158,30 @@ def _part(points: np.ndarray, low: float, high: float) -> np.ndarray:
     )
 
 
-def _power_form(coefficients: np.ndarray) -> Polynomial:
-    p0, p1, p2, p3 = coefficients
-    return Polynomial([p0, 3.0 * (p1 - p0), 3.0 * (p2 - 2.0 * p1 + p0), p3 - 3.0 * p2 + 3.0 * p1 - p0])
+def _power_coefficients(points: np.ndarray) -> np.ndarray:
+    """Return the coefficients of 1, u, u^2, u^3 of the cubic with control points (4, ...)."""
+    p0, p1, p2, p3 = points
+    return np.array([p0, 3.0 * (p1 - p0), 3.0 * (p2 - 2.0 * p1 + p0), p3 - 3.0 * p2 + 3.0 * p1 - p0])
 
 
-def _third_derivative_bounds(points: np.ndarray) -> tuple[float, float]:
-    """Return bounds of |r'''| and |z'''| on [0, 1], by the quotient rule and the sum of the numerator's terms."""
-    w = _power_form(points[:, 2])
-    bounds = []
-    for k in range(2):
-        f = _power_form(points[:, k] - points[0, k] / points[0, 2] * points[:, 2])
-        first = f.deriv() * w - f * w.deriv()
-        second = first.deriv() * w - 2.0 * first * w.deriv()
-        third = second.deriv() * w - 3.0 * second * w.deriv()
-        bounds.append(float(np.abs(third.coef).sum() / points[:, 2].min() ** 4))
-    return bounds[0], bounds[1]
+def _third_derivative_bounds(controls: np.ndarray) -> np.ndarray:
+    """Return bounds of |r'''| and |z'''| on [0, 1], (2, n), for pieces with homogeneous control points (n, 4, 3).
 
-
-def _bernstein(points: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Evaluate n polynomials in Bernstein form, (n, degree + 1, 3) at (n,), by de Casteljau's steps."""
-    u = u[:, None, None]
-    while points.shape[1] > 1:
-        points = (1.0 - u) * points[:, :-1] + u * points[:, 1:]
-    return tuple(points[:, 0].T)
+    With f = x / w, f''' = (x''' - 3 f'' w' - 3 f' w'' - f w''') / w, and likewise f'' and f', bounded in turn by the
+    control points of their parts; f counts from its value at the start.
+    """
+    start = controls[:, :1, :2] / controls[:, :1, 2:]
+    shifted = np.dstack([controls[:, :, :2] - start * controls[:, :, 2:], controls[:, :, 2:]])
+    first = 3.0 * np.diff(shifted, axis=1)
+    second = 2.0 * np.diff(first, axis=1)
+    third = np.diff(second, axis=1)
+    largest = [np.abs(points).max(axis=1).T for points in (shifted, first, second, third)]
+    (x, _), (x1, w1), (x2, w2), (x3, w3) = ((points[:2], points[2]) for points in largest)
+    least_weight = controls[:, :, 2].min(axis=1)
+    bound = x / least_weight
+    bound_1 = (x1 + bound * w1) / least_weight
+    bound_2 = (x2 + 2.0 * bound_1 * w1 + bound * w2) / least_weight
+    return (x3 + 3.0 * bound_2 * w1 + 3.0 * bound_1 * w2 + bound * w3) / least_weight
 
 
 @dataclass(frozen=True, eq=False)
@@ -275,10 +276,9 @@ class _Parts:
         second = _Parts(self.line, self.piece, u, self.high, sign, self.sign_high, self.above)
         return first.with_(second)
 
-    def with_(self, other: _Parts) -> _Parts:
-        return _Parts(
-            *(np.concatenate([getattr(self, name), getattr(other, name)]) for name in self.__dataclass_fields__)
-        )
+    def with_(self, *others: _Parts) -> _Parts:
+        names = self.__dataclass_fields__
+        return _Parts(*(np.concatenate([getattr(part, name) for part in (self, *others)]) for name in names))
 
 
 def _isolate(lines: _Lines, pieces: _Pieces) -> _Brackets:
@@ -289,12 +289,12 @@ def _isolate(lines: _Lines, pieces: _Pieces) -> _Brackets:
     H' and H'', both monotone on one side of the waist.
     """
     parts = _candidates(lines, pieces)
-    found = []
+    found, bulging = [], []
     while len(parts.line):
         here = lines.take(parts.line)
         mean, half = 0.5 * (parts.low + parts.high), 0.5 * (parts.high - parts.low)
         _, slope_r, bend_r, _, slope_z, bend_z = pieces.derivatives(parts.piece, mean)
-        z_low, z_high = pieces.values(parts.piece, parts.low)[1], pieces.values(parts.piece, parts.high)[1]
+        (r_low, z_low), (r_high, z_high) = (pieces.values(parts.piece, u) for u in (parts.low, parts.high))
         h_low, h_high = here.hyperbola(z_low), here.hyperbola(z_high)
         range_bend_r = _around(bend_r, pieces.third_r[parts.piece] * half)
         range_bend_z = _around(bend_z, pieces.third_z[parts.piece] * half)
@@ -314,16 +314,14 @@ def _isolate(lines: _Lines, pieces: _Pieces) -> _Brackets:
         changes = parts.sign_low != parts.sign_high
         monotone = (g_slope[0] > 0.0) | (g_slope[1] < 0.0)
         convex, concave = g_bend[0] > 0.0, g_bend[1] < 0.0
-        small = half <= SMALLEST_PART
-        settled = monotone | convex | concave | small
+        # From equal signs at its ends, g cannot reach 0 in between if its slope is too small for there and back.
+        g_low, g_high = steepness * r_low - h_low, steepness * r_high - h_high
+        far = ~changes & (np.abs(g_low + g_high) > 2.0 * half * np.abs(g_slope).max(axis=0) + pieces.slack)
+        settled = monotone | convex | concave | far | (half <= SMALLEST_PART)
         found.append(parts.take(settled & changes))
 
-        # With equal signs, two crossings hide where g bulges towards the other sign between the ends.
-        bulges = ~changes & ~monotone & ~small & np.where(parts.sign_low, convex, concave)
-        bulging = parts.take(bulges)
-        extremum, sign = _extremum(here.take(bulges), pieces, bulging, convex[bulges])
-        pairs = sign != bulging.sign_low
-        found.append(bulging.take(pairs).split(extremum[pairs], sign[pairs]))
+        # Two crossings may hide where g bulges towards the other sign between its ends.
+        bulging.append(parts.take(~changes & ~monotone & ~far & np.where(parts.sign_low, convex, concave)))
 
         parts = parts.take(~settled)
         middle = mean[~settled]
@@ -331,9 +329,10 @@ def _isolate(lines: _Lines, pieces: _Pieces) -> _Brackets:
         parts = parts.split(middle, lines.take(parts.line).sees_outside(r, z))
         parts = parts.take(_may_meet(lines.take(parts.line), pieces, parts))
 
-    parts = found[0]
-    for more in found[1:]:
-        parts = parts.with_(more)
+    parts = parts.with_(*bulging)
+    extremum, sign = _extremum(lines.take(parts.line), pieces, parts)
+    pairs = sign != parts.sign_low
+    parts = parts.take(pairs).split(extremum[pairs], sign[pairs]).with_(*found)
     return _Brackets(parts.line, parts.piece, parts.low, parts.high, parts.sign_high, parts.above)
 
 
@@ -399,8 +398,8 @@ def _height_reached(pieces: _Pieces, piece: np.ndarray, z: np.ndarray) -> np.nda
     return _root(rise, np.zeros(len(piece)), np.ones(len(piece)), ends_above)
 
 
-def _extremum(lines: _Lines, pieces: _Pieces, parts: _Parts, convex: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return where g, convex or concave on each part, is least or greatest, and its sign there."""
+def _extremum(lines: _Lines, pieces: _Pieces, parts: _Parts) -> tuple[np.ndarray, np.ndarray]:
+    """Return where g is least on parts with positive ends, and greatest on those with negative ones, and its sign."""
 
     def slope(u: np.ndarray, chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         here = lines.take(chosen)
@@ -411,7 +410,7 @@ def _extremum(lines: _Lines, pieces: _Pieces, parts: _Parts, convex: np.ndarray)
         second = np.abs(here.slope) * bend_r - here.hyperbola_bend(h) * slope_z**2 - h_slope * bend_z
         return first, second
 
-    u = _root(slope, parts.low, parts.high, convex)
+    u = _root(slope, parts.low, parts.high, parts.sign_low)
     r, z = pieces.values(parts.piece, u)
     return u, lines.sees_outside(r, z)
 
@@ -472,7 +471,7 @@ def _root(
         step = np.where(slow, 0.5 * (low[active] + high[active]), step)
         last_width[active] = width
         u[active] = step
-        active = active[np.abs(step - here) > 1e-16 * np.maximum(1.0, np.abs(step))]
+        active = active[np.abs(step - here) > ROOT_TOLERANCE]
     return u
 
 
