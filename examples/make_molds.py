@@ -6,6 +6,7 @@ Run it with FreeCAD's Python. Lengths are mm, z is up, the base rests on z = 0 a
 from __future__ import annotations
 
 import math
+import re
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -85,7 +86,7 @@ def solid(faces: Sequence[Part.Face]) -> Part.Shape:
 
 
 Section = tuple[float, float, float, float]
-"""Half width, half depth, exponent and height of a horizontal superellipse |x/a|^p + |y/b|^p = 1; p = 2 is an ellipse."""
+"""Half width, half depth, exponent p and height of the superellipse |x/a|^p + |y/b|^p = 1; p = 2 is an ellipse."""
 
 
 def skin(sections: Sequence[Section]) -> Part.Face:
@@ -95,7 +96,7 @@ def skin(sections: Sequence[Section]) -> Part.Face:
     which is what OCC asks of a surface that it is to offset.
     """
     angles = 2.0 * np.pi * np.arange(ANGLES) / ANGLES
-    # The poles of a uniform periodic cubic through given points: interpolation is a circular convolution with (1 4 1)/6.
+    # A uniform cubic passes its poles' circular convolution with (1 4 1)/6; undone, it passes the given points.
     kernel = (4.0 + 2.0 * np.cos(2.0 * np.pi * np.fft.fftfreq(ANGLES))) / 6.0
     poles = []
     for half_width, half_depth, exponent, height in sections:
@@ -130,8 +131,18 @@ def wine_bottle() -> Part.Shape:
     """Bordeaux, 75 cl: height 300, diameter 76, push-up 22, flat-topped ring finish of 29.5."""
     base_and_body = rounded([(0, 22), (13, 22, 15), (27.5, 1.2, 8), (31.5, 0, 2), (38, 0, 6), (38, 178)])
     shoulder = spline(
-        [(38, 178), (38, 188), (38, 198), (37, 210), (28.5, 217), (19.5, 222), (15.2, 229)]
-        + [(14.726, 238), (14.463, 248), (14.2, 258)]
+        [
+            (38, 178),
+            (38, 188),
+            (38, 198),
+            (37, 210),
+            (28.5, 217),
+            (19.5, 222),
+            (15.2, 229),
+            (14.726, 238),
+            (14.463, 248),
+            (14.2, 258),
+        ]
     )
     finish = rounded([(14.2, 258), (13.7, 277), (13.7, 282.6, 0.8), (14.75, 283.8, 0.9), (14.75, 300, 1.6), (0, 300)])
     return revolved([*base_and_body, shoulder, *finish])
@@ -141,12 +152,32 @@ def beer_bottle() -> Part.Shape:
     """Long neck, 33 cl: height 230, diameter 61, crown finish of 26.6 over a carrying ring."""
     base_and_body = rounded([(0, 5), (10, 5, 30), (23.5, 0, 3), (30.5, 0, 5.5), (30.5, 104)])
     shoulder = spline(
-        [(30.5, 104), (30.5, 114), (30.5, 124), (29.5, 137), (23, 149), (17, 160), (15, 172)]
-        + [(14.4, 182), (13.9, 193), (13.4, 204)]
+        [
+            (30.5, 104),
+            (30.5, 114),
+            (30.5, 124),
+            (29.5, 137),
+            (23, 149),
+            (17, 160),
+            (15, 172),
+            (14.4, 182),
+            (13.9, 193),
+            (13.4, 204),
+        ]
     )
     finish = rounded(
-        [(13.4, 204), (13.1, 210.6), (13, 212.8, 1.2), (14.3, 214, 1.1), (14.3, 218, 1.6), (12.4, 220.2, 1.4)]
-        + [(12.4, 223.2, 1.4), (13.3, 224.8, 1.2), (13.3, 230, 2.4), (0, 230)]
+        [
+            (13.4, 204),
+            (13.1, 210.6),
+            (13, 212.8, 1.2),
+            (14.3, 214, 1.1),
+            (14.3, 218, 1.6),
+            (12.4, 220.2, 1.4),
+            (12.4, 223.2, 1.4),
+            (13.3, 224.8, 1.2),
+            (13.3, 230, 2.4),
+            (0, 230),
+        ]
     )
     return revolved([*base_and_body, shoulder, *finish])
 
@@ -177,8 +208,18 @@ def jar() -> Part.Shape:
     """Wide mouth, 37 cl: height 112, diameter 76, a twist-off finish of 62 with four thread segments."""
     body = revolved(
         rounded(
-            [(0, 4), (16, 4, 40), (28, 0, 4), (38, 0, 6), (38, 88, 9), (33.5, 94, 4), (33.5, 96.4, 0.9), (31, 97.8, 1.2)]
-            + [(31, 112, 1.4), (0, 112)]
+            [
+                (0, 4),
+                (16, 4, 40),
+                (28, 0, 4),
+                (38, 0, 6),
+                (38, 88, 9),
+                (33.5, 94, 4),
+                (33.5, 96.4, 0.9),
+                (31, 97.8, 1.2),
+                (31, 112, 1.4),
+                (0, 112),
+            ]
         )
     )
     return body.multiFuse([thread_segment(31.0, 105.5, turn) for turn in (20, 110, 200, 290)]).Solids[0]
@@ -233,6 +274,8 @@ def main() -> None:
     for name, make in EXAMPLES.items():
         aside = MOLDS / f".{name}.step"
         make().exportStep(str(aside))
+        # OCC writes the time of day, which would make every run a change of all files.
+        aside.write_text(re.sub(r"'\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d'", "'2026-01-01T00:00:00'", aside.read_text()))
         aside.rename(MOLDS / f"{name}.step")
         print(MOLDS / f"{name}.step")
 

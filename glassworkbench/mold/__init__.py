@@ -1,7 +1,17 @@
 """What a CAD file holds: reading it, finding out how the container stands in it, its exact profile, its mesh."""
 
 from glassworkbench.mold.anatomy import Anatomy
+from glassworkbench.mold.inspection import inspect
 from glassworkbench.mold.mold import Mold, core_meridian, mold_from_shape, outer_meridian, read_mold
 from glassworkbench.mold.tessellation import tessellate
 
-__all__ = ["Anatomy", "Mold", "core_meridian", "mold_from_shape", "outer_meridian", "read_mold", "tessellate"]
+__all__ = [
+    "Anatomy",
+    "Mold",
+    "core_meridian",
+    "inspect",
+    "mold_from_shape",
+    "outer_meridian",
+    "read_mold",
+    "tessellate",
+]

@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
 
 from glassworkbench.errors import InputError
 from glassworkbench.freecad import FreeCAD, Part
+from glassworkbench.mold.measures import crossings_on_axis
 from glassworkbench.mold.silhouette import find_stem, silhouette
+from glassworkbench.scene.validate import unit_vector
 
 ALIGNED = 1e-6
 """Two directions (or a line and a point, relative to the shape's size) closer than this are the same one."""
+
+HOLLOW_SHARE = 0.5
+"""A container whose axis runs through glass over less than this share of its height is already hollow."""
+
+OFF_CENTRE_SHARE = 0.1
+"""A line that passes the centre of gravity farther off than this share of the size is the axis of a detail (a grip)."""
 
 NARROW_END = 0.6
 """Of two flat ends, one whose area is below this share of the other's is the mouth."""
@@ -28,7 +37,7 @@ class Standing:
     point_mm : array (3,)
         Any point of the axis.
     finish_face : int
-        1-based number of the face that closes the mouth.
+        1-based number of the planar face that closes the mouth, or of the flat rim of a hollow container; 0 without.
     """
 
     axis: np.ndarray
@@ -42,7 +51,7 @@ def find_standing(
     """Return the axis and the finish of a solid.
 
     The axis is the one about which most of the curved surface is turned; without such surface, a principal axis of
-    inertia. The finish is the outermost planar face across it.
+    inertia. The finish is the outermost planar face across it, or the rim of a container that is already hollow.
 
     Parameters
     ----------
@@ -57,45 +66,77 @@ def find_standing(
     InputError
         If no planar face lies across any axis at the solid's end.
     """
-    centroid, inertia_axes = _inertia(vertices_mm, triangles)
-    size = float(np.ptp(vertices_mm, axis=0).max())
-    lines = _turned_lines(solid, size)
-    wanted = up if up is not None else axis
-    if wanted is not None:
-        direction = np.asarray(wanted, dtype=float)
-        if direction.shape != (3,) or not np.all(np.isfinite(direction)) or not np.any(direction):
-            raise InputError(f"axis: expected three numbers that are not all zero, got {wanted!r}")
-        direction = direction / np.linalg.norm(direction)
-        lines = [line for line in lines if abs(line[0] @ direction) > 1.0 - 1e-4]
-        lines = lines or [(direction, centroid, 0.0)]
-    else:
-        lines = lines + [(direction, centroid, 0.0) for direction in inertia_axes]
-    for direction, point, _ in lines:
+    for direction, point in axis_lines(solid, vertices_mm, triangles, axis=axis, up=up):
+        line = Standing(direction, point, 0)
         ends = _flat_ends(solid, vertices_mm, direction, point)
+        open_end = _open_end(vertices_mm, triangles, line)
+        if open_end is not None:
+            rims = [end for end in ends if end.axis @ open_end.axis > 0.0]
+            return dataclasses.replace(open_end, finish_face=rims[0].finish_face if rims else 0)
+        ends = [end for end in ends if _holds(solid.Faces[end.finish_face - 1], vertices_mm, end)]
         if up is not None:
             ends = [end for end in ends if end.axis @ np.asarray(up, dtype=float) > 0.0]
         if ends:
             return _finish_end(ends, solid, vertices_mm, triangles)
     raise InputError(
         "finish: no flat face closes the shape at the end of its axis, so the mouth cannot be found; "
-        "cut the shape flat where the mouth is, or give axis and finish_height_mm"
+        "cut the shape flat where the mouth is, or give finish_height_mm"
     )
 
 
-def _turned_lines(solid: Part.Shape, size: float) -> list[tuple[np.ndarray, np.ndarray, float]]:
-    """Return the lines (direction, point, area) about which curved faces are turned, the largest area first."""
+def axis_lines(
+    solid: Part.Shape, vertices_mm: np.ndarray, triangles: np.ndarray, *, axis: object = None, up: object = None
+) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Return the lines (direction (3,), point (3,)) that may be the axis, the likeliest first; see `find_standing`."""
+    centroid, inertia_axes = _inertia(vertices_mm, triangles)
+    size = float(np.ptp(vertices_mm, axis=0).max())
+    lines = [line for line in _turned_lines(solid, size) if _distance(centroid, *line) < OFF_CENTRE_SHARE * size]
+    wanted = up if up is not None else axis
+    if wanted is None:
+        return [*lines, *((direction, centroid) for direction in inertia_axes)]
+    direction = unit_vector(wanted, "axis" if up is None else "up")
+    along = [(line if line @ direction > 0.0 else -line, point) for line, point in lines if _parallel(line, direction)]
+    return along or [(direction, centroid)]
+
+
+def _distance(place: np.ndarray, direction: np.ndarray, point: np.ndarray) -> float:
+    return float(np.linalg.norm(np.cross(place - point, direction)))
+
+
+def _parallel(line: np.ndarray, direction: np.ndarray) -> bool:
+    # The user types a direction with a few digits; the file's own axis is then the exact one.
+    return abs(line @ direction) > 1.0 - 1e-4
+
+
+def is_hollow(standing: Standing, vertices_mm: np.ndarray, triangles: np.ndarray) -> bool:
+    """Return whether a solid is a container already: its axis runs through air rather than through glass."""
+    return _open_end(vertices_mm, triangles, standing) is not None
+
+
+def _open_end(vertices_mm: np.ndarray, triangles: np.ndarray, line: Standing) -> Standing | None:
+    """Return the line, pointing to the mouth, of a container that is already hollow; None for a full one."""
+    upright = to_upright(vertices_mm, line)
+    crossings = crossings_on_axis(upright, triangles)
+    height = upright[:, 2].max()
+    if len(crossings) % 2 or np.sum(crossings[1::2] - crossings[::2]) > HOLLOW_SHARE * height:
+        return None
+    middle = crossings.mean() if len(crossings) else 0.0
+    return line if middle < 0.5 * height else dataclasses.replace(line, axis=-line.axis)
+
+
+def _turned_lines(solid: Part.Shape, size: float) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Return the lines (direction, point) about which curved faces are turned, the largest area first."""
     lines: list[list] = []
     for face in solid.Faces:
         for direction, point, area in _own_axes(face):
             for line in lines:
-                across = point - line[1]
-                off = np.linalg.norm(across - (across @ line[0]) * line[0])
-                if np.linalg.norm(np.cross(direction, line[0])) < ALIGNED and off < ALIGNED * size:
+                parallel = np.linalg.norm(np.cross(direction, line[0])) < ALIGNED
+                if parallel and _distance(point, line[0], line[1]) < ALIGNED * size:
                     line[2] += area
                     break
             else:
                 lines.append([direction, point, area])
-    return sorted((tuple(line) for line in lines), key=lambda line: -line[2])
+    return [(direction, point) for direction, point, _ in sorted(lines, key=lambda line: -line[2])]
 
 
 def _own_axes(face: Part.Face) -> list[tuple[np.ndarray, np.ndarray, float]]:
@@ -144,17 +185,15 @@ def _flat_ends(solid: Part.Shape, vertices_mm: np.ndarray, direction: np.ndarray
             centre = np.array(face.CenterOfMass) - point
             height = centre @ direction
             off_axis = np.linalg.norm(centre - height * direction)
-            if (
-                sense * height > top - tolerance
-                and off_axis < 0.1 * np.sqrt(face.Area)
-                and _holds(face, point + height * direction)
-            ):
+            if sense * height > top - tolerance and off_axis < 0.1 * np.sqrt(face.Area):
                 ends.append(Standing(sense * direction, point, number))
     return ends
 
 
-def _holds(face: Part.Face, point: np.ndarray) -> bool:
-    return face.isInside(FreeCAD.Vector(*point.tolist()), 1e-6, True)
+def _holds(face: Part.Face, vertices_mm: np.ndarray, end: Standing) -> bool:
+    """Return whether the face at a solid's end covers the axis there, as a mouth does and a ring does not."""
+    height = ((vertices_mm - end.point_mm) @ end.axis).max()
+    return face.isInside(FreeCAD.Vector(*(end.point_mm + height * end.axis).tolist()), 1e-4, True)
 
 
 def _finish_end(ends: list[Standing], solid: Part.Shape, vertices_mm: np.ndarray, triangles: np.ndarray) -> Standing:

@@ -36,7 +36,8 @@ def crossings_on_axis(vertices_mm: np.ndarray, triangles: np.ndarray) -> np.ndar
     hit = np.all(shares >= -1e-9, axis=0) & (np.abs(area) > 0.0)
     heights = np.sort((shares.T[hit] * vertices_mm[triangles[hit], 2]).sum(axis=1))
     # A vertex or edge on the axis is met by each triangle around it.
-    return heights[np.concatenate([[True], np.diff(heights) > 1e-6 * np.ptp(vertices_mm[:, 2])])]
+    apart = np.diff(heights, prepend=-np.inf) > 1e-6 * np.ptp(vertices_mm[:, 2])
+    return heights[apart]
 
 
 def smallest_width(vertices_mm: np.ndarray) -> float:

@@ -11,7 +11,7 @@ import numpy as np
 from glassworkbench.errors import InputError
 from glassworkbench.freecad import FreeCAD, Part
 from glassworkbench.mold.anatomy import Anatomy
-from glassworkbench.mold.axis import Standing, find_standing, rotation_to_upright
+from glassworkbench.mold.axis import Standing, axis_lines, find_standing, is_hollow, rotation_to_upright, to_upright
 from glassworkbench.mold.measures import (
     crossings_on_axis,
     distance_to_polyline,
@@ -20,8 +20,13 @@ from glassworkbench.mold.measures import (
     smallest_width,
 )
 from glassworkbench.mold.meridian import chain, face_profiles, flattened, points
+from glassworkbench.mold.outer_shape import outer_shape
 from glassworkbench.mold.read import read_shape, sha256
 from glassworkbench.mold.silhouette import find_regions, find_stem, radius_spread, silhouette
+from glassworkbench.scene.validate import positive
+
+LOWEST_MM, HIGHEST_MM = 2.0, 5000.0
+"""No glass container is lower or higher; a file that is was written in another unit than it declares."""
 
 EMBOSSED_SHARE = 0.1
 """What stands out from a round core by less than this share of the largest radius is a thread or embossing."""
@@ -71,6 +76,7 @@ def read_mold(
     axis: object = None,
     up: object = None,
     finish_height_mm: float | None = None,
+    outer_shell: bool = False,
 ) -> Mold:
     """Return the mold in a CAD file.
 
@@ -80,7 +86,7 @@ def read_mold(
         STEP, IGES, BREP or FCStd file with one closed solid: the outer shape of a container, full inside.
     scale_to_mm : float, optional
         Multiplies every length, for a file whose declared unit is wrong.
-    axis, up, finish_height_mm : optional
+    axis, up, finish_height_mm, outer_shell : optional
         Overrule what is found, as in `mold_from_shape`.
 
     Raises
@@ -91,7 +97,7 @@ def read_mold(
     path = Path(path)
     shape = read_shape(path, scale_to_mm=scale_to_mm)
     try:
-        return _mold(shape, path.stem, axis, up, finish_height_mm, path, sha256(path))
+        return _mold(shape, path.stem, axis, up, finish_height_mm, outer_shell, path, sha256(path))
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
 
@@ -103,6 +109,7 @@ def mold_from_shape(
     axis: object = None,
     up: object = None,
     finish_height_mm: float | None = None,
+    outer_shell: bool = False,
 ) -> Mold:
     """Return the mold that a shape (of a selected FreeCAD object, in mm) is.
 
@@ -116,13 +123,15 @@ def mold_from_shape(
         Direction from base to finish.
     finish_height_mm : float, optional
         The shape is cut flat at this height above its lowest point, and the mouth is there.
+    outer_shell : bool
+        Take the outer shape of a container that is already hollow, closed over its rim, instead of refusing it.
 
     Raises
     ------
     InputError
         As `read_mold`.
     """
-    return _mold(shape, name, axis, up, finish_height_mm, None, "")
+    return _mold(shape, name, axis, up, finish_height_mm, outer_shell, None, "")
 
 
 def _mold(
@@ -131,22 +140,67 @@ def _mold(
     axis: object,
     up: object,
     finish_height_mm: float | None,
+    outer_shell: bool,
     path: Path | None,
     digest: str,
 ) -> Mold:
-    solid = single_solid(shape)
-    vertices, triangles = mesh_of(solid)
+    solid, vertices, triangles = outward(single_solid(shape))
+    if finish_height_mm is not None:
+        solid, up = _cut_at_finish(solid, vertices, triangles, axis, up, finish_height_mm)
+        solid, vertices, triangles = outward(solid)
     standing = find_standing(solid, vertices, triangles, axis=axis, up=up)
+    if is_hollow(standing, vertices, triangles):
+        if not outer_shell:
+            raise InputError(
+                "it is already hollow; use it as a container, or pass outer_shell=True for its outer shape"
+            )
+        solid, vertices, triangles = outward(outer_shape(solid, standing.finish_face))
+        standing = find_standing(solid, vertices, triangles, up=standing.axis)
     placement = placement_of(standing, vertices)
     upright = moved(solid, np.linalg.inv(placement))
     profiles = face_profiles(upright.Faces)
     core = chain(profiles)
-    anatomy = _anatomy(standing, placement, upright, profiles, core)
+    anatomy = _anatomy(standing, placement, upright, to_upright(vertices, standing), triangles, profiles, core)
+    _check_unit(anatomy.height_mm)
     return Mold(solid, upright, placement, anatomy, name, path, digest, core)
 
 
+def _cut_at_finish(
+    solid: Part.Shape,
+    vertices_mm: np.ndarray,
+    triangles: np.ndarray,
+    axis: object,
+    up: object,
+    finish_height_mm: float,
+) -> tuple[Part.Shape, np.ndarray]:
+    """Return what lies below the user's finish height, and the direction that is up."""
+    direction, point = axis_lines(solid, vertices_mm, triangles, axis=axis, up=up)[0]
+    placement = placement_of(Standing(direction, point, 0), vertices_mm)
+    upright = moved(solid, np.linalg.inv(placement))
+    from_axis = 2.0 * np.linalg.norm(vertices_mm - placement[:3, 3], axis=1).max()
+    finish_height_mm = positive(finish_height_mm, "finish_height_mm")
+    below = Part.makeCylinder(from_axis, 1.0 + finish_height_mm, FreeCAD.Vector(0, 0, -1))
+    cut = upright.common(below)
+    if not cut.Solids or finish_height_mm >= from_axis:
+        raise InputError(f"finish_height_mm: {finish_height_mm:g} mm is not within the shape")
+    return moved(single_solid(cut), placement), direction
+
+
+def _check_unit(height_mm: float) -> None:
+    if height_mm < LOWEST_MM:
+        raise InputError(
+            f"it is only {height_mm:.3g} mm high, so its lengths are probably metres; "
+            "give the scale to mm (--scale 1000, scale_to_mm=1000)"
+        )
+    if height_mm > HIGHEST_MM:
+        raise InputError(
+            f"it is {height_mm:.3g} mm high, too much for a container; "
+            "give the scale to mm (--scale 0.001, scale_to_mm=0.001, if it is a thousand times too large)"
+        )
+
+
 def single_solid(shape: Part.Shape) -> Part.Shape:
-    """Return the one closed solid that a shape holds, facing outward.
+    """Return the one closed solid that a shape holds.
 
     Raises
     ------
@@ -162,16 +216,19 @@ def single_solid(shape: Part.Shape) -> Part.Shape:
         if not closed:
             kind = "an open shell" if shape.Shells else "loose faces"
             raise InputError(f"it holds no solid, only {kind}; close the surface and export it as a solid")
-        return _outward(Part.makeSolid(closed[0]))
+        return Part.makeSolid(closed[0])
     solid = shape.Solids[0]
     if not all(shell.isClosed() for shell in solid.Shells):
         raise InputError("its solid is not closed (a shell has free edges); repair it in the CAD program")
-    return _outward(solid)
+    return solid
 
 
-def _outward(solid: Part.Shape) -> Part.Shape:
+def outward(solid: Part.Shape) -> tuple[Part.Shape, np.ndarray, np.ndarray]:
+    """Return a closed solid with its faces turned outward, and its mesh (vertices (n, 3), triangles (m, 3))."""
     vertices, triangles = mesh_of(solid)
-    return solid if signed_volume(vertices, triangles) > 0.0 else solid.reversed()
+    if signed_volume(vertices, triangles) > 0.0:
+        return solid, vertices, triangles
+    return solid.reversed(), vertices, triangles[:, ::-1]
 
 
 def placement_of(standing: Standing, vertices_mm: np.ndarray) -> np.ndarray:
@@ -194,10 +251,11 @@ def _anatomy(
     standing: Standing,
     placement: np.ndarray,
     upright: Part.Shape,
+    vertices: np.ndarray,
+    triangles: np.ndarray,
     profiles: list[np.ndarray | None],
     core: np.ndarray | None,
 ) -> Anatomy:
-    vertices, triangles = mesh_of(upright)
     heights, radii = silhouette(vertices, triangles)
     stem = find_stem(heights, radii)
     regions = find_regions(heights, radii, stem)
@@ -216,7 +274,7 @@ def _anatomy(
         finish_outer_radius_mm=float(radii[heights > finish_low].max()),
         finish_face=standing.finish_face,
         maximum_radius_mm=float(max(from_axis.max(), outline[:, 0].max())),
-        smallest_width_mm=smallest_width(vertices),
+        smallest_width_mm=smallest_width(vertices) if departure > 0.0 else float(2.0 * outline[:, 0].max()),
         bearing_radius_mm=float(lowest[:, 0].mean()),
         push_up_mm=float(core[0, 0, 1] if core is not None else crossings_on_axis(vertices, triangles)[0]),
         departure_mm=departure,

@@ -16,9 +16,6 @@ from glassworkbench.freecad import FreeCAD, Part
 STEP_ENDINGS = (".step", ".stp")
 ENDINGS = (*STEP_ENDINGS, ".iges", ".igs", ".brep", ".brp", ".fcstd")
 
-METRES_HEIGHT_MM = 2.0
-"""No container is lower than this; a file that arrives so small was drawn in metres and declared as millimetres."""
-
 
 def read_shape(path: str | os.PathLike, *, scale_to_mm: float | None = None) -> Part.Shape:
     """Return what a CAD file holds as one shape, in mm.
