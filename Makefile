@@ -34,7 +34,7 @@ bench: build ## Measure speed and accuracy
 	@for benchmark in benchmarks/*.py; do echo "== $$benchmark"; $(PYTHON) "$$benchmark" || exit 1; done
 
 compat: build ## Run the tests on FreeCAD 0.20, 1.0 and 1.1, into docs/compat.md
-	@tools/compat.sh
+	@$(PYTHON) tools/compat.py
 
 clean: ## Remove what was built
 	rm -rf build out .venv .pytest_cache .ruff_cache .hypothesis

@@ -9,7 +9,10 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 try:
     from glassworkbench.cli import main
 except ModuleNotFoundError as error:
-    print(f"glassworkbench: the Python {sys.version.split()[0]} lacks the module {error.name}; install it", file=sys.stderr)
+    print(
+        f"glassworkbench: the Python {sys.version.split()[0]} lacks the module {error.name}; install it",
+        file=sys.stderr,
+    )
     os._exit(1)
 
 count = os.environ.get("GLASSWORKBENCH_ARGUMENTS")

@@ -92,7 +92,6 @@ def _parse(arguments: Sequence[str]) -> argparse.Namespace:
         description="From the mold of a glass container to the container, and what light makes of it.",
         epilog="glassworkbench VERB --help tells more about a verb.",
     )
-    parser.set_defaults(quiet=False, verbose=False)
     parser.add_argument("--version", action="version", version=f"GlassWorkbench {__version__}")
     verbs = parser.add_subparsers(metavar="VERB", dest="verb", required=True)
     for name, (prepare, run, summary, example) in _VERBS.items():
@@ -110,7 +109,7 @@ def _parse(arguments: Sequence[str]) -> argparse.Namespace:
     asked = next((word for word in arguments if not word.startswith("-")), None)
     if asked is not None and asked not in _VERBS:
         raise unknown_name("verb", asked, _VERBS)
-    options, unknown = parser.parse_known_args(arguments)
+    options, unknown = parser.parse_known_args(arguments, argparse.Namespace(quiet=False, verbose=False))
     if unknown and unknown[0].startswith("-"):
         known = set(re.findall(r"(?<!\w)--[a-z]+", options.verb_parser.format_help()))
         raise unknown_name(f"{asked}: option", unknown[0].partition("=")[0], known)
@@ -160,7 +159,9 @@ def _prepare_hollow(parser: argparse.ArgumentParser) -> None:
     _add_wall_options(parser, required=True)
     parser.add_argument("--tolerance", type=float, metavar="MM", help="how far the wall may be from what was asked")
     parser.add_argument("--seconds", type=float, default=120.0, metavar="S", help="time limit (120)")
-    parser.add_argument("-o", "--output", required=True, metavar="OUT", help="the ending decides: .step .brep .FCStd .stl")
+    parser.add_argument(
+        "-o", "--output", required=True, metavar="OUT", help="the ending decides: .step .brep .FCStd .stl"
+    )
     _add_report_options(parser)
 
 
@@ -170,7 +171,15 @@ def _hollow(options: argparse.Namespace) -> None:
     container = _container(options, tolerance_mm=options.tolerance, seconds=options.seconds)
     container.save(output)
     report = container.report.to_json() | {"input": _input(options.mold), "version": __version__}
-    _answer(options, report, f"{output}: wall {options.wall}, {report['method']}, {report['weight_g']:.4g} g")
+    _answer(options, report, f"{output}: {_told_of_wall(report)}")
+
+
+def _told_of_wall(report: Mapping) -> str:
+    wall = report["wall"]
+    return (
+        f"wall {wall['asked']} by {report['method']}, 99 % within {wall['deviation_p99_mm']:.2g} mm, "
+        f"{report['weight_g']:.0f} g, {report['brimful_ml']:.0f} ml brimful"
+    )
 
 
 def _add_wall_options(parser: argparse.ArgumentParser, required: bool) -> None:
@@ -283,12 +292,13 @@ def _scene(options: argparse.Namespace) -> Scene:
 
 def _read_step(path: Path) -> Surface:
     """Return the surface of a scene file's STEP body where the file has it; exact if it is one of revolution."""
-    from glassworkbench.mold import outer_meridian, read_mold, tessellate
+    from glassworkbench.mold import outer_meridian, read_mold
+    from glassworkbench.wall.container import fine_mesh
 
     mold = read_mold(path)
     if mold.anatomy.is_revolved:
         return Revolved(outer_meridian(mold), mold.placement[:3, 3], mold.placement[:3, 2])
-    return tessellate(mold.solid)
+    return fine_mesh(mold.solid)
 
 
 def _traced(scene: Scene, options: argparse.Namespace, effects: Mapping[str, bool]) -> Image:

@@ -1,0 +1,286 @@
+import json
+import os
+import shutil
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from glassworkbench import __version__
+from glassworkbench.cli import main
+from glassworkbench.images import read_image
+
+ROOT = Path(__file__).resolve().parent.parent
+PROGRAM = ROOT / "bin" / "glassworkbench"
+BALL = str(ROOT / "examples" / "scenes" / "ball_lens.toml")
+TUMBLER = str(ROOT / "examples" / "scenes" / "tumbler.toml")
+WINE_BOTTLE = str(ROOT / "examples" / "molds" / "wine_bottle.step")
+VERBS = ("inspect", "hollow", "render", "glasses", "stations")
+FREECADCMD = shutil.which("freecadcmd")
+
+
+def told(capsys):
+    """The one sentence on stderr, checked to be one, with nothing on stdout."""
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    assert err.startswith("glassworkbench: ")
+    assert "Traceback" not in err
+    return err
+
+
+def run(*arguments, **environment):
+    return subprocess.run(
+        [PROGRAM, *arguments],
+        env=os.environ | environment,
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
+
+
+def test_a_scene_file_becomes_an_image_in_every_format_asked(tmp_path, capsys):
+    outputs = [tmp_path / "ball.png", tmp_path / "ball.exr"]
+    arguments = [word for output in outputs for word in ("-o", str(output))]
+    assert main(["render", BALL, *arguments, "--size", "40x40", "--report", str(tmp_path / "r.json")]) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    assert out.startswith(", ".join(map(str, outputs)))
+    image = read_image(outputs[1])
+    assert image.pixels.shape == (40, 40, 3)
+    assert image.metadata["scene"] == "ball_lens.toml"
+    assert image.metadata["version"] == __version__
+    # The ball turns the picture over: panel above beside it, below within it.
+    assert image.pixels[5, 2, 0] == pytest.approx(1.0)
+    assert image.pixels[35, 2, 0] == pytest.approx(0.15)
+    assert image.pixels[10, 20, 0] < 0.3 < 0.8 < image.pixels[26, 20, 0]
+    assert np.isclose(image.depth_mm[20, 20], 380.0, atol=0.5)
+    report = json.loads((tmp_path / "r.json").read_text())
+    assert report["size"] == [40, 40]
+    assert report["leaks"] == 0
+    assert len(report["input"]["sha256"]) == 64
+    assert {effect["name"] for effect in report["effects"]} >= {"absorption"}
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["ball.exr", "ball.png", "r.json"]
+
+
+def test_json_answers_with_the_report_and_quiet_with_nothing(tmp_path, capsys):
+    assert main(["render", BALL, "-o", str(tmp_path / "x.png"), "--size", "8x8", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["camera_rays"] > 0
+    assert main(["--quiet", "render", BALL, "-o", str(tmp_path / "x.png"), "--size", "8x8"]) == 0
+    assert capsys.readouterr().out == ""
+
+
+def test_an_effect_is_switched_off(tmp_path, capsys):
+    arguments = ["render", BALL, "-o", str(tmp_path / "x.png"), "--size", "8x8", "--json", "--effect", "absorption=off"]
+    assert main(arguments) == 0
+    (absorption,) = json.loads(capsys.readouterr().out)["effects"]
+    assert absorption["on"] is False
+
+
+def test_exposure_brightens_a_picture(tmp_path):
+    for name, stops in (("dark", "-1"), ("bright", "1")):
+        assert main(["render", BALL, "-o", f"{tmp_path}/{name}.png", "--size", "8x8", "--exposure", stops]) == 0
+    dark, bright = (read_image(tmp_path / f"{name}.png") for name in ("dark", "bright"))
+    assert dark.metadata["exposure"] == "-1"
+    assert np.allclose(dark.pixels[7, 0], bright.pixels[7, 0], atol=0.01)
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_help_of_each_verb_shows_an_example(capsys, verb):
+    assert main([verb, "--help"]) == 0
+    out, err = capsys.readouterr()
+    assert f"Example: glassworkbench {verb}" in " ".join(out.split())
+    assert err == ""
+
+
+def test_help_names_every_verb_and_version_the_version(capsys):
+    assert main(["--help"]) == 0
+    out = capsys.readouterr().out
+    assert all(f"  {verb} " in out for verb in VERBS)
+    assert main(["--version"]) == 0
+    assert capsys.readouterr().out == f"GlassWorkbench {__version__}\n"
+
+
+def test_catalogues_are_listed(capsys):
+    assert main(["glasses"]) == 0
+    assert "emerald" in capsys.readouterr().out
+    assert main(["glasses", "--json"]) == 0
+    listed = json.loads(capsys.readouterr().out)
+    assert len(listed["glasses"][0]["absorption_per_mm"]) == 3
+    assert main(["stations"]) == 0
+    assert [line.split()[0] for line in capsys.readouterr().out.splitlines()] == ["studio", "sidewall"]
+
+
+MOLD = ["render", WINE_BOTTLE, "-o", "{folder}/x.png", "--wall", "3"]
+SCENE = ["render", BALL, "-o", "{folder}/x.png"]
+HOLLOW = ["hollow", WINE_BOTTLE, "-o", "{folder}/x.step"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ([], "arguments are required: VERB"),
+        (["rendr"], "did you mean 'render'"),
+        (["render"], "arguments are required"),
+        ([*SCENE, "--tolerence", "0.1"], "did you mean '--tolerance'"),
+        ([*SCENE, "more.toml"], "'more.toml' is one argument too many"),
+        ([*MOLD, "--glass", "emrald"], "did you mean 'emerald'"),
+        ([*MOLD, "--station", "sidewal"], "did you mean 'sidewall'"),
+        ([*MOLD, "--fill", "watr"], "did you mean 'water'"),
+        (["render", WINE_BOTTLE, "-o", "{folder}/x.png"], "--wall: is missing"),
+        ([*SCENE, "--wall", "3"], "--wall: the scene file"),
+        ([*SCENE, "--size", "40"], "write width and height"),
+        ([*SCENE, "--size", "0x40"], "0x40 pixels"),
+        ([*SCENE, "--tolerance", "0"], "--tolerance: must be above 0"),
+        ([*SCENE, "--tolerance", "nan"], "--tolerance: must be above 0"),
+        ([*SCENE, "--tolerance", "small"], "--tolerance"),
+        ([*SCENE, "--tolerance", "0.1", "--seconds", "3"], "not allowed with"),
+        ([*SCENE, "--seconds", "-1"], "--seconds: must be above 0"),
+        ([*SCENE, "--threads", "0"], "--threads: must be above 0"),
+        ([*SCENE, "--exposure", "inf"], "--exposure"),
+        ([*SCENE, "--effect", "absorbtion=off"], "did you mean 'absorption'"),
+        ([*SCENE, "--effect", "absorption"], "NAME=on or NAME=off"),
+        ([*SCENE, "--effects", "some"], "invalid choice"),
+        (["render", BALL, "-o", "{folder}/x.bmp"], "'.bmp' is not known"),
+        (["render", BALL, "-o", "{folder}/no/x.png"], "there is no folder"),
+        (["render", BALL, "-o", "/proc/x.png"], "nothing can be written"),
+        ([*SCENE, "--report", "{folder}/no/r.json"], "there is no folder"),
+        (["render", "{folder}/missing.toml", "-o", "{folder}/x.png"], "there is no such file"),
+    ],
+)
+def test_bad_input_is_told_in_one_sentence_and_leaves_nothing(tmp_path, capsys, arguments, message):
+    assert main([word.replace("{folder}", str(tmp_path)) for word in arguments]) == 2
+    assert message in told(capsys)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ([*HOLLOW, "--wall", "0"], "above 0"),
+        ([*HOLLOW, "--wall", "-1"], "above 0"),
+        ([*HOLLOW, "--wall", "nan"], "finite"),
+        ([*HOLLOW, "--wall", "thick"], "wall"),
+        ([*HOLLOW, "--wall", "100"], "wall"),
+        ([*HOLLOW, "--wall", "@missing.csv"], "missing.csv"),
+        ([*HOLLOW, "--wall", "3", "--method", "revolve"], "did you mean 'revolved'"),
+        (["hollow", WINE_BOTTLE, "--wall", "3", "-o", "{folder}/x.igs"], "'.igs' is not known"),
+        (["hollow", "{folder}/missing.step", "--wall", "3", "-o", "{folder}/x.step"], "there is no such file"),
+        (["render", "{folder}/missing.step", "--wall", "3", "-o", "{folder}/x.png"], "there is no such file"),
+        (["render", WINE_BOTTLE, "--wall", "nan", "-o", "{folder}/x.png"], "finite"),
+        (["inspect", "{folder}/missing.step"], "there is no such file"),
+    ],
+)
+def test_bad_molds_and_walls_are_told_in_one_sentence_and_leave_nothing(tmp_path, capsys, arguments, message):
+    pytest.importorskip("glassworkbench.freecad")
+    assert main([word.replace("{folder}", str(tmp_path)) for word in arguments]) == 2
+    assert message in told(capsys)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_traceback_is_shown_only_when_asked_for(tmp_path, capsys):
+    arguments = ["render", str(tmp_path / "missing.toml"), "-o", str(tmp_path / "x.png")]
+    assert main([*arguments, "--verbose"]) == 2
+    assert "Traceback" in capsys.readouterr().err
+
+
+def test_an_unexpected_fault_is_a_failure_without_traceback(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("glassworkbench.cli.render", lambda *_, **__: 1 / 0)
+    assert main(["render", BALL, "-o", str(tmp_path / "x.png")]) == 1
+    assert "ZeroDivisionError" in told(capsys)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("route", ["module", "freecadcmd"])
+def test_the_program_runs_from_anywhere_with_any_names(tmp_path, route):
+    if route == "freecadcmd" and FREECADCMD is None:
+        pytest.skip("freecadcmd is not installed")
+    folder = tmp_path / "Gläser & more"
+    folder.mkdir()
+    program = folder / "gw"
+    program.symlink_to(PROGRAM)
+    shutil.copy(BALL, folder / "die Kugel.toml")
+    environment = os.environ | ({"FREECADCMD": FREECADCMD} if route == "freecadcmd" else {})
+    command = [program, "render", "die Kugel.toml", "-o", "x y.png", "--size", "8x8"]
+    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0
+    assert done.stderr == ""
+    assert done.stdout.startswith("x y.png: 8x8")
+    assert (folder / "x y.png").is_file()
+    command[2] = "die Kugl.toml"
+    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert done.stderr == "glassworkbench: die Kugl.toml: there is no such file\n"
+
+
+@pytest.mark.parametrize("route", ["module", "freecadcmd"])
+def test_a_mold_becomes_a_container_and_a_picture(tmp_path, route):
+    pytest.importorskip("glassworkbench.freecad")
+    if route == "freecadcmd" and FREECADCMD is None:
+        pytest.skip("freecadcmd is not installed")
+    environment = {"FREECADCMD": FREECADCMD} if route == "freecadcmd" else {}
+    wall, report = tmp_path / "wall.json", tmp_path / "render.json"
+    done = run("hollow", WINE_BOTTLE, "--wall", "3", "-o", tmp_path / "c.step", "--report", wall, **environment)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert (tmp_path / "c.step").read_text().startswith("ISO-10303-21")
+    facts = json.loads(wall.read_text())
+    assert facts["wall"]["asked"] == "3"
+    assert facts["wall"]["min_mm"] == pytest.approx(3.0, abs=0.1)
+    picture = tmp_path / "bottle.exr"
+    look = ["--wall", "3", "--glass", "emerald", "--station", "sidewall", "--size", "48x64", "--tolerance", "0.1"]
+    done = run("render", WINE_BOTTLE, *look, "-o", picture, "--report", report, **environment)
+    assert (done.returncode, done.stderr) == (0, "")
+    image = read_image(picture)
+    expected = {"mold": "wine_bottle.step", "wall": "3", "glass": "emerald", "station": "sidewall"}
+    assert expected.items() <= image.metadata.items()
+    assert {"tolerance", "seconds", "effects", "version"} <= set(image.metadata)
+    assert image.pixels[32, 14] == pytest.approx(np.ones(3))
+    assert image.pixels[32, 24, 1] > 1.5 * image.pixels[32, 24, 0] > 0.0
+    assert json.loads(report.read_text())["leaks"] == 0
+
+
+def test_scene_files_render_without_any_freecad(tmp_path):
+    code = (
+        "import sys; from glassworkbench.cli import main; code = main(sys.argv[1:]); "
+        "assert not {'FreeCAD', 'Part'} & set(sys.modules); sys.exit(code)"
+    )
+    command = [shutil.which("python3", path="/usr/bin"), "-c", code, "render", BALL, "-o", "x.png", "--size", "8x8"]
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    assert subprocess.run(command, cwd=tmp_path, env=environment, timeout=120).returncode == 0
+    assert (tmp_path / "x.png").is_file()
+
+
+@pytest.mark.parametrize("stop", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("route", ["module", "freecadcmd"])
+def test_a_stopped_render_leaves_nothing(tmp_path, route, stop):
+    if route == "freecadcmd" and FREECADCMD is None:
+        pytest.skip("freecadcmd is not installed")
+    environment = os.environ | ({"FREECADCMD": FREECADCMD} if route == "freecadcmd" else {})
+    command = [PROGRAM, "render", TUMBLER, "--tolerance", "1e-6", "-o", tmp_path / "x.png"]
+    process = subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True)
+    time.sleep(3.0)
+    process.send_signal(stop)
+    _, err = process.communicate(timeout=60)
+    assert process.returncode == 1
+    assert err == "glassworkbench: cancelled\n"
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_bar_moves_on_a_terminal_and_in_a_pipe_there_is_none(tmp_path):
+    pytest.importorskip("tqdm")
+    render = f"{PROGRAM} render {BALL} -o {tmp_path}/x.png --size 64x64"
+    on_terminal = subprocess.run(
+        ["script", "-qec", f"{render} >/dev/null", "/dev/null"], capture_output=True, text=True, timeout=120
+    )
+    assert "rendering" in on_terminal.stdout
+    assert "%" in on_terminal.stdout
+    quiet = subprocess.run(
+        ["script", "-qec", f"{render} --quiet >/dev/null", "/dev/null"], capture_output=True, text=True, timeout=120
+    )
+    assert "rendering" not in quiet.stdout
+    assert run(*render.split()[1:]).stderr == ""
