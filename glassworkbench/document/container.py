@@ -97,6 +97,8 @@ def make_container(
         fault = obj.Fault
         document.removeObject(obj.Name)
         raise GlassWorkbenchError(fault)
+    # Recomputed alone, an object stays touched, and the document's next recompute would hollow again.
+    obj.purgeTouched()
     source.Visibility = False
     return obj
 

@@ -23,7 +23,7 @@ PROPERTIES = (
     Property("App::PropertyString", "Fill", "Render", "What it holds, like water or water:120 (level in mm)", OUTPUT),
     Property("App::PropertyInteger", "Width", "Render", "Of the image in pixels", OUTPUT, 480),
     Property("App::PropertyInteger", "Height", "Render", "Of the image in pixels", OUTPUT, 640),
-    Property("App::PropertyFloat", "Tolerance", "Render", "Accepted error, a fraction of white", OUTPUT, 0.01),
+    Property("App::PropertyPrecision", "Tolerance", "Render", "Accepted error, a fraction of white", OUTPUT, 0.01),
     Property("App::PropertyInteger", "SchemaVersion", "Base", "Of the saved properties", READ_ONLY | OUTPUT | HIDDEN),
 )
 

@@ -64,6 +64,10 @@ class RenderView(_View):
         """Return the icon's path."""
         return str(ICONS / "Glass_Render.svg")
 
+    def isShow(self) -> bool:  # noqa: N802 (FreeCAD's name)
+        """Return True: nothing of it can be hidden in the 3D view, so the tree need not grey it out."""
+        return True
+
     def doubleClicked(self, view: Any) -> bool:  # noqa: N802 (FreeCAD's name)
         """Show the picture."""
         return _run("Glass_Render", view.Object)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import FreeCAD
 import FreeCADGui
 from PySide.QtCore import QT_TRANSLATE_NOOP
 
@@ -14,30 +15,35 @@ from glassworkbench.gui import preferences
 from glassworkbench.gui.container_panel import ContainerPanel, ContainerSettings
 from glassworkbench.gui.feedback import busy, one_step, show_error, translate
 from glassworkbench.gui.glass_panel import GlassPanel
-from glassworkbench.gui.image_windows import show_render
+from glassworkbench.gui.image_windows import WindowCloser, show_render
 from glassworkbench.gui.render_panel import RenderPanel
 from glassworkbench.settings import RESOURCES
 
 
 def register() -> list[str]:
-    """Make the commands known to FreeCAD and return the names of those that menu and toolbar show."""
-    FreeCADGui.addCommand("Glass_EditContainer", EditContainer())
-    shown = {"Glass_MakeContainer": MakeContainer(), "Glass_SetGlass": SetGlass(), "Glass_Render": Render()}
-    for name, command in shown.items():
+    """Make the commands known to FreeCAD and return their names in the order of menu and toolbar."""
+    FreeCAD.addDocumentObserver(WindowCloser())
+    commands = {
+        "Glass_MakeContainer": MakeContainer(),
+        "Glass_EditContainer": EditContainer(),
+        "Glass_SetGlass": SetGlass(),
+        "Glass_Render": Render(),
+    }
+    for name, command in commands.items():
         FreeCADGui.addCommand(name, command)
-    return list(shown)
+    return list(commands)
 
 
 class _Command:
     """A command for the one object that is selected."""
 
-    name: str
+    icon: str
     menu_text: str
     tool_tip: str
 
     def GetResources(self) -> dict[str, str]:  # noqa: N802 (FreeCAD's name)
         """Return what menu and toolbar show."""
-        icon = RESOURCES / "icons" / f"{self.name}.svg"
+        icon = RESOURCES / "icons" / self.icon
         return {"MenuText": self.menu_text, "ToolTip": self.tool_tip, "Pixmap": str(icon)}
 
     def IsActive(self) -> bool:  # noqa: N802 (FreeCAD's name)
@@ -64,7 +70,7 @@ class _Command:
 class MakeContainer(_Command):
     """Asks for the wall and makes a container of a solid."""
 
-    name = "Glass_MakeContainer"
+    icon = "Glass_MakeContainer.svg"
     menu_text = QT_TRANSLATE_NOOP("Glass_MakeContainer", "Make container…")
     tool_tip = QT_TRANSLATE_NOOP(
         "Glass_MakeContainer",
@@ -96,9 +102,9 @@ class MakeContainer(_Command):
 
 
 class EditContainer(_Command):
-    """Changes wall and glass of a container; the tree's double-click."""
+    """Changes wall and glass of a container; a double-click in the tree runs it too."""
 
-    name = "Glass_EditContainer"
+    icon = "Container.svg"
     menu_text = QT_TRANSLATE_NOOP("Glass_EditContainer", "Edit container…")
     tool_tip = QT_TRANSLATE_NOOP("Glass_EditContainer", "Change the wall and the glass of the selected container")
 
@@ -126,7 +132,7 @@ class EditContainer(_Command):
 class SetGlass(_Command):
     """Chooses the glass of a container."""
 
-    name = "Glass_SetGlass"
+    icon = "Glass_SetGlass.svg"
     menu_text = QT_TRANSLATE_NOOP("Glass_SetGlass", "Glass…")
     tool_tip = QT_TRANSLATE_NOOP("Glass_SetGlass", "Choose the glass that the selected container is made of")
 
@@ -142,7 +148,7 @@ class SetGlass(_Command):
 class Render(_Command):
     """Shows a container, or a render object again, as light shows it."""
 
-    name = "Glass_Render"
+    icon = "Glass_Render.svg"
     menu_text = QT_TRANSLATE_NOOP("Glass_Render", "Render…")
     tool_tip = QT_TRANSLATE_NOOP(
         "Glass_Render", "Show the selected container as light shows it, in a window beside the 3D view"

@@ -14,6 +14,7 @@ from glassworkbench.gui.qt import QtCore, QtGui, QtWidgets
 from glassworkbench.gui.render_thread import RenderThread
 from glassworkbench.images import IMAGE_ENDINGS, Image
 from glassworkbench.scene import Scene
+from glassworkbench.tracer import native
 
 PROGRESS_STEPS = 1000
 STOP_MILLISECONDS = 10000
@@ -36,8 +37,8 @@ class ImageView(QtWidgets.QWidget):
         self.image: Image | None = None
 
         self._canvas = _Canvas()
-        self._status = QtWidgets.QLabel(objectName="status")
-        self._progress = QtWidgets.QProgressBar(objectName="progress", maximum=PROGRESS_STEPS, maximumWidth=160)
+        self._status = QtWidgets.QLabel(objectName="status", wordWrap=True)
+        self._progress = QtWidgets.QProgressBar(objectName="progress", maximum=PROGRESS_STEPS)
         self._cancel = QtWidgets.QPushButton(translate("Glass_Render", "Cancel"), objectName="cancel")
         self._cancel.clicked.connect(self.cancel)
         self._again = QtWidgets.QPushButton(translate("Glass_Render", "Render again"), objectName="again")
@@ -50,14 +51,16 @@ class ImageView(QtWidgets.QWidget):
         self._save = QtWidgets.QPushButton(translate("Glass_Render", "Save image…"), objectName="save", enabled=False)
         self._save.clicked.connect(self._ask_and_save)
 
-        bar = QtWidgets.QHBoxLayout()
-        bar.addWidget(self._status, 1)
-        for widget in (self._progress, self._cancel, self._again, self._exposure, self._save):
-            bar.addWidget(widget)
+        buttons = QtWidgets.QHBoxLayout()
+        buttons.addWidget(self._progress, 1)
+        buttons.addStretch()
+        for widget in (self._cancel, self._again, self._exposure, self._save):
+            buttons.addWidget(widget)
         layout = QtWidgets.QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 4)
         layout.addWidget(self._canvas, 1)
-        layout.addLayout(bar)
+        layout.addWidget(self._status)
+        layout.addLayout(buttons)
         self._set_running(False)
         QtCore.QCoreApplication.instance().aboutToQuit.connect(self._stop)
 
@@ -77,7 +80,10 @@ class ImageView(QtWidgets.QWidget):
         self._thread.failed.connect(self._on_failed, QtCore.Qt.QueuedConnection)
         self._thread.ended.connect(self._on_ended, QtCore.Qt.QueuedConnection)
         self._progress.setValue(0)
-        self._status.setText(translate("Glass_Render", "Rendering…"))
+        if native.available():
+            self._status.setText(translate("Glass_Render", "Rendering…"))
+        else:
+            self._status.setText(translate("Glass_Render", "Rendering slowly: the native tracer is not built…"))
         self._set_running(True)
         self._thread.start()
 

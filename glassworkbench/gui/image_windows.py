@@ -4,46 +4,61 @@ from __future__ import annotations
 
 from typing import Any
 
-import FreeCAD
 import FreeCADGui
 
-from glassworkbench.document.render import is_render, scene
-from glassworkbench.errors import InputError
+from glassworkbench.document.render import scene
 from glassworkbench.gui.feedback import busy, translate
 from glassworkbench.gui.image_view import ImageView
-from glassworkbench.gui.qt import QtCore, QtWidgets
+from glassworkbench.gui.qt import QtCore, QtGui, QtWidgets
 from glassworkbench.scene import Scene
+from glassworkbench.settings import RESOURCES
 
 
 def show_render(obj: Any) -> ImageView:
     """Trace a render object in its sub-window, which is made if there is none yet, and return the view."""
-    area = FreeCADGui.getMainWindow().findChild(QtWidgets.QMdiArea)
-    name = f"{obj.Document.Name}/{obj.Name}"
-    view = area.findChild(ImageView, name)
-    if view is None:
-        view = ImageView(_Snapshot(obj.Document.Name, obj.Name))
-        view.setObjectName(name)
-        view.setAttribute(QtCore.Qt.WA_DeleteOnClose)
-        window = area.addSubWindow(view)
-        window.setAttribute(QtCore.Qt.WA_DeleteOnClose)
-        view.show()
+    view = _find_view(obj) or _new_view(obj)
     view.setWindowTitle(obj.Label)
-    area.setActiveSubWindow(view.parentWidget())
+    _area().setActiveSubWindow(view.parentWidget())
     view.start()
     return view
 
 
-class _Snapshot:
-    """Takes the scene of a render object out of its document, by name: the document may be closed meanwhile."""
+class WindowCloser:
+    """A document observer: the window of a picture goes with its render object, as 3D views go with their document."""
 
-    def __init__(self, document: str, name: str) -> None:
-        self._document = document
-        self._name = name
+    def slotDeletedObject(self, obj: Any) -> None:  # noqa: N802 (FreeCAD's name)
+        """Close the window of a deleted render object."""
+        view = _find_view(obj)
+        if view is not None:
+            view.parentWidget().close()
 
-    def __call__(self) -> tuple[Scene, float]:
-        documents = FreeCAD.listDocuments()
-        obj = documents[self._document].getObject(self._name) if self._document in documents else None
-        if obj is None or not is_render(obj):
-            raise InputError("This picture's render object is no longer open; open its document, or render anew.")
+    def slotDeletedDocument(self, document: Any) -> None:  # noqa: N802 (FreeCAD's name)
+        """Close the windows of a document that is closed."""
+        for obj in document.Objects:
+            self.slotDeletedObject(obj)
+
+
+def _new_view(obj: Any) -> ImageView:
+    def snapshot() -> tuple[Scene, float]:
         with busy(translate("Glass_Render", "Preparing the container for rendering…")):
             return scene(obj), obj.Tolerance
+
+    view = ImageView(snapshot)
+    view.setObjectName(_window_name(obj))
+    window = _area().addSubWindow(view)
+    window.setWindowIcon(QtGui.QIcon(str(RESOURCES / "icons" / "Glass_Render.svg")))
+    window.setAttribute(QtCore.Qt.WA_DeleteOnClose)
+    view.show()
+    return view
+
+
+def _find_view(obj: Any) -> ImageView | None:
+    return _area().findChild(ImageView, _window_name(obj))
+
+
+def _window_name(obj: Any) -> str:
+    return f"{obj.Document.Name}/{obj.Name}"
+
+
+def _area() -> QtWidgets.QMdiArea:
+    return FreeCADGui.getMainWindow().findChild(QtWidgets.QMdiArea)
