@@ -15,7 +15,7 @@ from glassworkbench.mold.mold import moved
 from glassworkbench.scene import Mesh, Revolved
 from glassworkbench.scene.validate import positive
 from glassworkbench.settings import unknown_name
-from glassworkbench.wall.container import DEVIATION_MM, Attempt, Container, SolidFacts, WallReport
+from glassworkbench.wall.container import Attempt, Container, SolidFacts, WallReport
 from glassworkbench.wall.measure import (
     Volume,
     WallMeasure,
@@ -40,6 +40,9 @@ TOLERANCE_SHARE, TOLERANCE_MM = 0.02, 0.02
 
 VOLUME_SHARE = 0.005
 """The solid's volume, from its mesh, must agree this well with outside minus inside."""
+
+MEASURED_DEVIATION_MM = 0.05
+"""Deviation of the meshes that are measured; `measure` corrects for their facets."""
 
 THINNEST_SHARE = 0.5
 """Where embossing goes into the body, at least this share of the wall must be left behind it."""
@@ -158,7 +161,7 @@ def _revolved(mold: Mold, asked: ThicknessOverHeight, seconds: float) -> _Candid
     if mold.anatomy.is_revolved:
         glass = revolved_volume(mold.core).minus(capacity)
     else:
-        outer = tessellate(mold.upright, DEVIATION_MM)
+        outer = tessellate(mold.upright, MEASURED_DEVIATION_MM)
         glass = mesh_volume(outer).minus(capacity)
         _check_behind_embossing(outer, cavity.segments, mold, asked)
     return _Candidate(solid, surface, measure_revolved(wall, cavity.segments, asked), capacity, glass)
@@ -175,7 +178,7 @@ def _check_behind_embossing(outer: Mesh, cavity: np.ndarray, mold: Mold, asked: 
 def _thick_solid(mold: Mold, asked: ThicknessOverHeight, seconds: float) -> _Candidate:
     arguments = {"finish_face": mold.anatomy.finish_face, "thickness_mm": asked.uniform_mm}
     solid, cavity, past_mouth = run_in_worker(thick_solid, [mold.upright], arguments, seconds)
-    outer_mesh, cavity_mesh = tessellate(mold.upright, DEVIATION_MM), tessellate(cavity, DEVIATION_MM)
+    outer_mesh, cavity_mesh = tessellate(mold.upright, MEASURED_DEVIATION_MM), tessellate(cavity, MEASURED_DEVIATION_MM)
     capacity = mesh_volume(cavity_mesh)
     wall = measure_mesh(outer_mesh, cavity_mesh, mold.anatomy.finish_height_mm, asked)
     return _Candidate(solid, past_mouth, wall, capacity, mesh_volume(outer_mesh).minus(capacity))
@@ -210,7 +213,7 @@ def _fault(candidate: _Candidate, tolerance_mm: float) -> str:
     facts = _facts(candidate.solid)
     if not (facts.valid and facts.closed):
         return "OCC calls the solid invalid or open"
-    volume = mesh_volume(tessellate(candidate.solid, 4.0 * DEVIATION_MM)).volume_mm3
+    volume = mesh_volume(tessellate(candidate.solid, MEASURED_DEVIATION_MM)).volume_mm3
     expected = candidate.glass.volume_mm3
     if abs(volume - expected) > VOLUME_SHARE * (expected + candidate.capacity.volume_mm3):
         return f"the solid holds {volume:.0f} mm3, but outside minus inside is {expected:.0f} mm3"

@@ -8,11 +8,11 @@ import numpy as np
 
 from glassworkbench.scene import Mesh
 from glassworkbench.wall.bezier import evaluate, polyline
-from glassworkbench.wall.distance import distance_to_mesh, distance_to_polyline
+from glassworkbench.wall.distance import distance_to_polyline, nearest_on_mesh
 from glassworkbench.wall.profile import WallMeridian
 from glassworkbench.wall.thickness import ThicknessOverHeight
 
-SAMPLES = 4000
+SAMPLES = 3000
 """Points on the inner surface that are measured."""
 
 DENSITY_G_PER_CM3 = 2.5
@@ -64,8 +64,7 @@ def measure_revolved(wall: WallMeridian, cavity: np.ndarray, thickness: Thicknes
     Points that face the round floor above a stem, or the mouth, have no wall before them and are left out.
     """
     inside = _spread_on_meridian(cavity[:-1])
-    per_segment = 256
-    outside = [polyline(segment[None], per_segment) for segment in wall.segments]
+    outside = [polyline(segment[None], 128) for segment in wall.segments]
     distance = np.full(len(inside), np.inf)
     feet, underside = np.zeros((len(inside), 2)), np.zeros(len(inside), dtype=bool)
     elsewhere = distance_to_polyline(inside, _above_lip(wall, thickness))[0]
@@ -90,10 +89,44 @@ def measure_mesh(
     """
     inside = _spread_on_mesh(cavity, samples)
     inside = inside[inside[:, 2] < finish_height_mm - thickness.maximum_mm]
-    triangles = outer.vertices_mm[outer.triangles]
-    in_mouth = np.all(triangles[:, :, 2] > finish_height_mm - 1e-4, axis=1)
-    distance, feet = distance_to_mesh(inside, triangles[~in_mouth])
+    distance, feet = _distance_to_surface(inside, outer, finish_height_mm)
     return _summary(inside, distance, thickness.at(feet[:, 2]))
+
+
+def _distance_to_surface(points: np.ndarray, mesh: Mesh, finish_height_mm: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return distances to the surface behind a mesh, its mouth left out, and the nearest points."""
+    corners = mesh.vertices_mm[mesh.triangles]
+    walls = ~np.all(corners[:, :, 2] > finish_height_mm - 1e-4, axis=1)
+    triangles = mesh.triangles[walls]
+    feet, numbers, shares = nearest_on_mesh(points, corners[walls])
+    height, normals = _bulge(mesh, triangles[numbers], shares)
+    feet = feet + height[:, None] * normals
+    return np.linalg.norm(points - feet, axis=1), feet
+
+
+def _bulge(mesh: Mesh, triangles: np.ndarray, shares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return how far (m,) the surface stands out from points of triangles, and its normals (m, 3) there.
+
+    Notes
+    -----
+    Between two vertices i and j the surface turns by their normals' difference, so to second order it stands
+    b_i b_j (n_j - n_i) . (p_j - p_i) / 2 above the chord at the barycentric coordinates b. So corrected it is as good
+    as one with many times the triangles.
+    """
+    normals = np.einsum("ij,ijk->ik", shares, mesh.normals[triangles])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    height = np.zeros(len(triangles))
+    for (i, j), sag in zip(_SIDES, _sags(mesh, triangles), strict=True):
+        height += shares[:, i] * shares[:, j] * sag
+    return height, normals
+
+
+_SIDES = ((0, 1), (1, 2), (2, 0))
+
+
+def _sags(mesh: Mesh, triangles: np.ndarray) -> list[np.ndarray]:
+    points, normals = mesh.vertices_mm[triangles], mesh.normals[triangles]
+    return [0.5 * np.einsum("ij,ij->i", normals[:, j] - normals[:, i], points[:, j] - points[:, i]) for i, j in _SIDES]
 
 
 def clearance_to_mesh(
@@ -108,7 +141,7 @@ def clearance_to_mesh(
     profile = profile[np.linspace(0, len(profile) - 1, samples).astype(int)]
     angle = np.arange(len(profile)) * np.pi * (3.0 - np.sqrt(5.0))
     inside = np.column_stack([profile[:, 0] * np.cos(angle), profile[:, 0] * np.sin(angle), profile[:, 1]])
-    distance, _ = distance_to_mesh(inside, outer.vertices_mm[outer.triangles])
+    distance, _ = _distance_to_surface(inside, outer, np.inf)
     thinnest = int(np.argmin(distance))
     return float(distance[thinnest]), inside[thinnest]
 
@@ -132,10 +165,17 @@ def revolved_volume(chain: np.ndarray) -> Volume:
 
 
 def mesh_volume(mesh: Mesh) -> Volume:
-    """Return the volume of a closed mesh by the divergence theorem."""
+    """Return the volume inside the surface behind a closed mesh.
+
+    The divergence theorem gives that of the mesh; on each triangle the surface adds the mean of its bulge.
+    """
     a, b, c = (mesh.vertices_mm[mesh.triangles[:, k]] for k in range(3))
     volumes = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6.0
-    return Volume(float(volumes.sum()), volumes @ (a + b + c) / 4.0 / volumes.sum())
+    areas = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    added = areas * sum(_sags(mesh, mesh.triangles)) / 12.0
+    moment = volumes @ (a + b + c) / 4.0 + added @ (a + b + c) / 3.0
+    volume = volumes.sum() + added.sum()
+    return Volume(float(volume), moment / volume)
 
 
 def weight_g(glass_volume_mm3: float) -> float:
@@ -168,8 +208,11 @@ def _spread_on_mesh(mesh: Mesh, samples: int) -> np.ndarray:
     number = np.minimum(np.searchsorted(area, shares), len(area) - 1)
     u, v = random.random((2, samples))
     flip = u + v > 1.0
-    u, v = np.where(flip, 1.0 - u, u)[:, None], np.where(flip, 1.0 - v, v)[:, None]
-    return a[number] + u * (b - a)[number] + v * (c - a)[number]
+    u, v = np.where(flip, 1.0 - u, u), np.where(flip, 1.0 - v, v)
+    shares = np.column_stack([1.0 - u - v, u, v])
+    triangles = mesh.triangles[number]
+    height, normals = _bulge(mesh, triangles, shares)
+    return np.einsum("ij,ijk->ik", shares, mesh.vertices_mm[triangles]) + height[:, None] * normals
 
 
 def _summary(points: np.ndarray, distance: np.ndarray, asked: np.ndarray) -> WallMeasure:

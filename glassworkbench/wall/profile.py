@@ -96,7 +96,7 @@ def _above_stem(segments: np.ndarray, stem_top_mm: float, wall_mm: float) -> np.
     for number in range(first, len(segments)):
         points, slopes = evaluate(segments[number], np.clip(u, 1e-9, 1.0))
         tangents = unit(slopes)
-        with np.errstate(divide="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore"):
             rounding = points[:, 0] / tangents[:, 1]
         fits = (points[:, 1] >= stem_top_mm) & (tangents[:, 0] > 0.0) & (tangents[:, 1] > 0.0)
         fits = np.flatnonzero(fits & (rounding >= FLOOR_ROUNDING * wall_mm))

@@ -103,7 +103,7 @@ def _lies_at(face: Part.Face, height: float) -> bool:
 
 
 def _outward(solid: Part.Shape) -> Part.Shape:
-    vertices, triangles = solid.tessellate(0.01 * solid.BoundBox.DiagonalLength)
+    vertices, triangles = solid.tessellate(0.02 * solid.BoundBox.DiagonalLength)
     vertices = np.array([tuple(vertex) for vertex in vertices])
     a, b, c = (vertices[np.array(triangles)[:, k]] - vertices[0] for k in range(3))
     return solid if np.einsum("ij,ij->", a, np.cross(b, c)) > 0.0 else solid.reversed()

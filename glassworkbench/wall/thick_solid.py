@@ -111,7 +111,7 @@ def _cavity(walls: Sequence[Part.Face], height: float, thickness_mm: float, join
 
 def _free_edges(faces: Sequence[Part.Face]) -> list[Part.Edge]:
     """Return the edges that only one of the faces has."""
-    edges = [edge for face in faces for edge in face.Edges if not edge.Degenerated]
+    edges = [edge for face in faces for edge in face.Edges if not (edge.Degenerated or edge.isSeam(face))]
     counts = Counter(edge.hashCode() for edge in edges)
     return [edge for edge in edges if counts[edge.hashCode()] == 1]
 
