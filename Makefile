@@ -12,7 +12,7 @@ setup: ## Install what this machine lacks (Debian, Ubuntu)
 
 build: setup ## Build the native tracer
 	@cmake -S glassworkbench/tracer/native -B build/native -DCMAKE_BUILD_TYPE=Release >/dev/null
-	@cmake --build build/native --parallel 2
+	@cmake --build build/native --parallel 2 >/dev/null
 
 demo: build ## Hollow a wine bottle and render it, into out/demo
 	@tools/demo.sh

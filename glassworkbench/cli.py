@@ -148,7 +148,9 @@ def _lines(found: Mapping, indent: str = "") -> Iterator[str]:
 def _short(value: object) -> str:
     if isinstance(value, bool) or value is None:
         return {True: "yes", False: "no", None: "unknown"}[value]
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
+    if isinstance(value, float):
+        return f"{value:.0f}" if 1e5 <= abs(value) < 1e15 else f"{value:.6g}"
+    return str(value)
 
 
 # hollow

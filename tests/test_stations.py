@@ -79,8 +79,9 @@ def test_the_studio_is_lit_from_all_around_and_brightest_in_its_soft_boxes():
 
 
 def test_studio_light_follows_its_formula():
-    box = {"azimuth_deg": 170, "elevation_deg": 20, "half_width_deg": 22, "half_height_deg": 35, "radiance": (6, 6, 6)}
-    light = studio_light((0.1, 0.1, 0.1), (1.0, 1.0, 1.0), 1.5, (box,), rows=180)
+    box = {"azimuth_deg": 170, "elevation_deg": 20, "half_width_deg": 22, "half_height_deg": 35}
+    box |= {"softness_deg": 1.5, "radiance": (6, 6, 6)}
+    light = studio_light((0.1, 0.1, 0.1), (1.0, 1.0, 1.0), (box,), rows=180)
     # Row 70 is at 19.5 degrees of elevation; column 5 at -174.5 degrees of azimuth, across the seam from 170.
     height = 0.5 + 0.5 * np.sin(np.radians(19.5))
     blend = height**2 * (3 - 2 * height)

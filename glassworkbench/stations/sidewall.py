@@ -12,8 +12,7 @@ def sidewall(
     *,
     vertical_field_of_view_deg: float,
     frame_margin: float,
-    panel_side_margin: float,
-    panel_height_margin: float,
+    panel_margin: float,
     panel_gap: float,
     panel_radiance: float,
 ) -> tuple[tuple[Panel, ...], Pinhole]:
@@ -27,18 +26,18 @@ def sidewall(
     vertical_field_of_view_deg : float
     frame_margin : float
         Part of the image, at each edge, that the container leaves free.
-    panel_side_margin, panel_gap : float
-        How far the panel reaches past the container on each side, and stands behind it, as parts of its width.
-    panel_height_margin : float
-        How far it reaches above and below, as a part of the container's height.
+    panel_margin, panel_gap : float
+        How far the panel reaches past the container on each side, and stands behind it, as parts of the larger of the
+        container's width and height.
     panel_radiance : float
     """
     low, high = geometry.low_mm, geometry.high_mm
     width, _, height = high - low
-    left, right = low[0] - panel_side_margin * width, high[0] + panel_side_margin * width
-    bottom, top = low[2] - panel_height_margin * height, high[2] + panel_height_margin * height
+    margin, gap = panel_margin * max(width, height), panel_gap * max(width, height)
+    left, right = low[0] - margin, high[0] + margin
+    bottom, top = low[2] - margin, high[2] + margin
     panel = Panel(
-        origin_mm=(left, high[1] + panel_gap * width, bottom),
+        origin_mm=(left, high[1] + gap, bottom),
         u_mm=(right - left, 0.0, 0.0),
         v_mm=(0.0, 0.0, top - bottom),
         radiance=panel_radiance,

@@ -17,7 +17,6 @@ def studio(
     camera: Mapping[str, float],
     ground: Sequence[float],
     sky: Sequence[float],
-    softness_deg: float,
     soft_boxes: Sequence[Mapping],
 ) -> tuple[tuple[Environment, ...], Pinhole]:
     """Return the lights and the camera.
@@ -29,17 +28,16 @@ def studio(
         Width and height of the image in pixels.
     camera : mapping
         The arguments of `framing_camera` after the size.
-    ground, sky, softness_deg, soft_boxes
+    ground, sky, soft_boxes
         As in `studio_light`.
     """
-    light = Environment(studio_light(ground, sky, softness_deg, soft_boxes))
+    light = Environment(studio_light(ground, sky, soft_boxes))
     return (light,), framing_camera(geometry, size, **camera)
 
 
 def studio_light(
     ground: Sequence[float],
     sky: Sequence[float],
-    softness_deg: float,
     soft_boxes: Sequence[Mapping],
     rows: int = 512,
 ) -> np.ndarray:
@@ -49,10 +47,9 @@ def studio_light(
     ----------
     ground, sky : (3,)
         Radiance R, G, B straight below and above; a smooth gradient lies between.
-    softness_deg : float
-        Over what angle a soft box fades at its edges.
     soft_boxes : sequence of mappings
-        ``azimuth_deg``, ``elevation_deg`` of the middle, ``half_width_deg``, ``half_height_deg``, ``radiance`` (3,).
+        ``azimuth_deg``, ``elevation_deg`` of the middle, ``half_width_deg``, ``half_height_deg``,
+        ``softness_deg`` (over what angle it fades at its edges), ``radiance`` (3,).
     rows : int
         Height of the map; it is twice as wide.
 
@@ -68,8 +65,8 @@ def studio_light(
     light = (1.0 - blend) * np.asarray(ground) + blend * np.asarray(sky) + np.zeros((1, 2 * rows, 1))
     for box in soft_boxes:
         turn = (azimuth - box["azimuth_deg"] + 180.0) % 360.0 - 180.0
-        across = _fade(box["half_width_deg"] - np.abs(turn), softness_deg)
-        along = _fade(box["half_height_deg"] - np.abs(elevation - box["elevation_deg"]), softness_deg)
+        across = _fade(box["half_width_deg"] - np.abs(turn), box["softness_deg"])
+        along = _fade(box["half_height_deg"] - np.abs(elevation - box["elevation_deg"]), box["softness_deg"])
         light += np.multiply.outer(along, across)[:, :, None] * np.asarray(box["radiance"])
     return light
 
