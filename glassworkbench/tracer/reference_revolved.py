@@ -31,6 +31,9 @@ PIECES_A_SEGMENT = 4
 SMALLEST_PART = 1e-13
 """Parts of a piece shorter than this in u are decided by the signs at their ends."""
 
+BLUR = 1e-3
+"""Changes of g below this share of a piece's slack, some units in the last place, say nothing."""
+
 ROOT_TOLERANCE = 1e-13
 """Of u in [0, 1]; crossings are polished afterwards."""
 
@@ -316,12 +319,15 @@ def _isolate(lines: _Lines, pieces: _Pieces) -> _Brackets:
         convex, concave = g_bend[0] > 0.0, g_bend[1] < 0.0
         # From equal signs at its ends, g cannot reach 0 in between if its slope is too small for there and back.
         g_low, g_high = steepness * r_low - h_low, steepness * r_high - h_high
-        far = ~changes & (np.abs(g_low + g_high) > 2.0 * half * np.abs(g_slope).max(axis=0) + pieces.slack)
-        settled = monotone | convex | concave | far | (half <= SMALLEST_PART)
+        most = half * np.abs(g_slope).max(axis=0)
+        far = ~changes & (np.abs(g_low + g_high) > 2.0 * most + pieces.slack)
+        # A line within a flat face sees only rounding errors along it.
+        blurred = (most <= BLUR * pieces.slack) | (half <= SMALLEST_PART)
+        settled = monotone | convex | concave | far | blurred
         found.append(parts.take(settled & changes))
 
         # Two crossings may hide where g bulges towards the other sign between its ends.
-        bulging.append(parts.take(~changes & ~monotone & ~far & np.where(parts.sign_low, convex, concave)))
+        bulging.append(parts.take(~changes & ~monotone & ~far & ~blurred & np.where(parts.sign_low, convex, concave)))
 
         parts = parts.take(~settled)
         middle = mean[~settled]

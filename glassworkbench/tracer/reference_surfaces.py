@@ -210,7 +210,7 @@ class _BoxTree:
             # fmin and fmax pass over the NaN of a line that runs within a side of the box.
             near = np.fmax.reduce(np.fmin(first, second), axis=1)
             far = np.fmin.reduce(np.fmax(first, second), axis=1)
-            meets = near <= far + 1e-12 * np.abs(far)
+            meets = near <= far
             line, node = line[meets], node[meets]
             leaf = self.first_child[node] < 0
             start, stop = self.range[node[leaf]].T
