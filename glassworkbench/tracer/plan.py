@@ -14,7 +14,7 @@ from glassworkbench.settings import unknown_name
 
 EFFECTS = ("absorption",)
 
-PRUNED_SHARE = 0.1
+PRUNED_SHARE = 0.2
 """The cut-off as a share of the tolerance: a ray leaves out some three times the cut-off (measured on bottles)."""
 
 NEGLIGIBLE_SHARE = 0.1

@@ -330,7 +330,9 @@ class Revolved {
         double joint(double r, double z) const {
             const double t = (z - ray.z0) * ray.inverse_dz;
             const double r2 = ray.C + t * (2.0 * ray.B + t * ray.A);
-            return r - std::sqrt(r2 > 0.0 ? r2 : 0.0);
+            const double g = r - std::sqrt(r2 > 0.0 ? r2 : 0.0);
+            // A ray through the very end on the axis crosses the piece: across the axis lies its mirror image.
+            return r == 0.0 && g == 0.0 ? -1e-300 : g;
         }
 
         Value start() const { return {joint(piece.r_start, piece.z_start), at(0.0).slope}; }

@@ -228,13 +228,14 @@ class Transport {
                     break;
                 }
                 const double reflectance = m.interface.reflectance;
-                if (reflectance <= 0.0) {
+                if (m.medium_before == m.medium_after) {
                     path = refracted(path, next, m);
                     continue;
                 }
-                if (reflectance >= 1.0) {
-                    path = reflected(path, next, m);
-                    continue;
+                if (reflectance <= 0.0 || reflectance >= 1.0) {
+                    path = reflectance >= 1.0 ? reflected(path, next, m) : refracted(path, next, m);
+                    if (keep(path, answer)) continue;
+                    break;
                 }
                 Path back = reflected(path, next, m), on = refracted(path, next, m);
                 back.weight = reflectance * path.weight;

@@ -1,0 +1,195 @@
+"""The native core against the numpy reference, and what it promises on top: same bytes, no leaks, cancel."""
+
+import threading
+
+import numpy as np
+import pytest
+import tracer_scenes
+
+from glassworkbench.errors import Cancelled
+from glassworkbench.scene import Body, Environment, Medium, Mesh, Pinhole, Revolved, Scene, Telecentric
+from glassworkbench.tracer import native, reference
+from glassworkbench.tracer.control import Cancel
+from glassworkbench.tracer.film import Film
+from glassworkbench.tracer.sampling import sample_points
+
+pytestmark = pytest.mark.skipif(not native.available(), reason="the native tracer is not built")
+
+RAYS = 10_000
+
+
+def sensitivity(scene, origins, directions):
+    """How far moving each ray by one rounding error moves its radiance: paths of many bounces amplify it."""
+    rng = np.random.default_rng(3)
+    directions = directions / np.linalg.norm(directions, axis=1, keepdims=True)
+    size = np.abs(origins).max()
+    here = native.radiance(scene, origins, directions).radiance
+    spread = np.zeros(len(origins))
+    for _ in range(8):
+        moved = origins + 1e-15 * size * rng.normal(size=origins.shape)
+        turned = directions + 1e-16 * rng.normal(size=directions.shape)
+        there = native.radiance(scene, moved, turned).radiance
+        spread = np.maximum(spread, np.abs(there - here).max(axis=1))
+    return spread
+
+
+@pytest.mark.parametrize("name", tracer_scenes.SCENES)
+def test_both_tracers_agree_on_random_rays_to_the_last_digits_that_mean_anything(name):
+    scene = tracer_scenes.SCENES[name]()
+    origins, directions = tracer_scenes.rays_through(scene, RAYS, seed=11)
+    mine = native.radiance(scene, origins, directions)
+    truth = reference.radiance(scene, origins, directions)
+    spread = sensitivity(scene, origins, directions)
+    error = np.abs(mine.radiance - truth.radiance).max(axis=1)
+    assert np.all(error <= 1e-10 + 10.0 * spread)
+    assert np.mean(error <= 1e-10) >= 0.97
+    stable = spread < 1e-11
+    np.testing.assert_allclose(mine.bound[stable], truth.bound[stable], rtol=0.0, atol=1e-10)
+    np.testing.assert_array_equal(mine.crossings[stable], truth.crossings[stable])
+    np.testing.assert_allclose(mine.depth_mm, truth.depth_mm, rtol=1e-12, atol=1e-9)
+    assert mine.leaks.sum() == 0
+
+
+@pytest.mark.parametrize("name", tracer_scenes.SCENES)
+def test_both_tracers_follow_the_same_path(name):
+    scene = tracer_scenes.SCENES[name]()
+    origins, directions = tracer_scenes.rays_through(scene, 50, seed=12)
+    for origin, direction in zip(origins, directions, strict=True):
+        mine, truth = (tracer.follow(scene, origin, direction) for tracer in (native, reference))
+        assert [(c.body, c.entering, c.medium_before, c.medium_after) for c in mine] == [
+            (c.body, c.entering, c.medium_before, c.medium_after) for c in truth
+        ]
+        for a, b in zip(mine, truth, strict=True):
+            np.testing.assert_allclose(a.point_mm, b.point_mm, atol=1e-7)
+            assert a.reflectance == pytest.approx(b.reflectance, abs=1e-7)
+
+
+@pytest.mark.parametrize("name", ["bottle", "meshes"])
+def test_any_number_of_threads_gives_the_same_bytes(name):
+    scene = tracer_scenes.SCENES[name]()
+    origins, directions = tracer_scenes.rays_through(scene, 3000, seed=13)
+    one, two, five = (native.radiance(scene, origins, directions, threads=threads) for threads in (1, 2, 5))
+    for field in ("radiance", "bound", "depth_mm", "crossings"):
+        assert getattr(one, field).tobytes() == getattr(two, field).tobytes() == getattr(five, field).tobytes()
+
+
+def test_a_smaller_cutoff_stays_within_the_bound_of_a_larger_one():
+    scene = tracer_scenes.bottle()
+    rays = tracer_scenes.rays_through(scene, 3000, seed=14)
+    coarse, fine = native.radiance(scene, *rays, cutoff=0.05), native.radiance(scene, *rays, cutoff=1e-6)
+    missing = fine.radiance - coarse.radiance
+    assert np.all(missing >= -1e-12)
+    assert np.all(missing <= coarse.bound[:, None] + 1e-12)
+
+
+def test_grazing_rays_in_a_push_up_find_both_crossings():
+    # A ray that skims along the push-up: piece and hyperbola bend opposite ways, and both crossings lie where the
+    # slopes at the piece's ends have the same sign. They were once missed, and the ray leaked.
+    corners = [(0, 22), (7, 21), (14, 17.8), (20, 12.8), (25, 6.8), (28.2, 2.6), (31, 0.45), (38, 16), (38, 40), (0, 40)]
+    meridian = tracer_scenes.polyline(*corners)
+    meridian[4] = tracer_scenes.cubic((25, 6.8), (26.034, 5.385), (27.012, 3.945), (28.2, 2.6))
+    scene = Scene((Body("glass", Revolved(meridian)),), (Medium("glass", 1.52),), (Environment(1.0),), pinhole())
+    start = np.array([2.5638465239288832, -25.675703728191465, 5.6885541662826773])
+    direction = np.array([0.74217761489817635, -0.34014228131843982, -0.57747347679658989])
+    offsets = np.linspace(-1e-3, 1e-3, 2001)[:, None] * np.array([0.0, 0.6, 0.8])
+    answer = native.radiance(scene, start + offsets - 100.0 * direction, np.tile(direction, (2001, 1)))
+    assert answer.leaks.sum() == 0
+
+
+def test_bodies_that_coincide_do_not_leak():
+    ball = tracer_scenes.revolved_ball(10.0)
+    bodies = (Body("outer", ball), Body("coat", ball), Body("fill", tracer_scenes.cylinder(10.0, -5.0, 0.0)))
+    media = (Medium("fill and coat", 1.33), Medium("coat and not fill", 1.7), Medium("outer", 1.5))
+    scene = Scene(bodies, media, (Environment(1.0),), pinhole())
+    answer = native.radiance(scene, *tracer_scenes.rays_through(scene, 20_000, seed=15), cutoff=1e-4)
+    assert answer.leaks.sum() == 0
+    assert np.all(np.abs(answer.radiance - 1.0) <= answer.bound[:, None] + 1e-12)
+
+
+def test_rays_through_joints_edges_and_vertices_cross_once():
+    cube = tracer_scenes.box_mesh((-1.0, -1.0, -1.0), (1.0, 1.0, 1.0))
+    drum = tracer_scenes.cylinder(1.0, -1.0, 1.0)
+    for surface in (cube, drum):
+        scene = Scene((Body("glass", surface),), (Medium("glass", 1.0),), (Environment(1.0),), pinhole())
+        grid = np.linspace(-0.75, 0.75, 7)
+        x, y = (g.ravel() for g in np.meshgrid(grid, grid))
+        for down in ((0.0, 0.0, -1.0), (0.0, 0.5, -1.0), (0.25, 0.5, -1.0), (1.0, 1.0, -1.0)):
+            origins = np.stack([x, y, np.full_like(x, 1.0)], axis=1) - 4.0 * np.array(down)
+            answer = native.radiance(scene, origins, np.tile(down, (len(x), 1)))
+            assert answer.leaks.sum() == 0
+            assert np.all(answer.crossings % 2 == 0)
+
+
+def test_a_set_cancel_flag_stops_the_trace():
+    scene = tracer_scenes.bottle()
+    cancel = Cancel()
+    cancel.set()
+    with pytest.raises(Cancelled):
+        native.radiance(scene, *tracer_scenes.rays_through(scene, 100, seed=16), cancel=cancel)
+
+
+def test_cancel_from_another_thread_stops_a_running_trace():
+    scene = tracer_scenes.bottle()
+    rays = tracer_scenes.rays_through(scene, 400_000, seed=17)
+    cancel = Cancel()
+
+    def stop_when_running() -> None:
+        while cancel.control.done == 0:
+            pass
+        cancel.set()
+
+    other = threading.Thread(target=stop_when_running)
+    other.start()
+    with pytest.raises(Cancelled):
+        native.radiance(scene, *rays, cancel=cancel, threads=1)
+    other.join()
+    assert cancel.control.done < 400_000
+
+
+@pytest.mark.parametrize("camera", ["pinhole", "telecentric"])
+def test_the_film_holds_the_mean_of_its_samples_rays(camera):
+    view = (
+        pinhole() if camera == "pinhole" else Telecentric((0.0, -500.0, 150.0), (0.0, 0.0, 150.0), height_mm=330.0)
+    )
+    base = tracer_scenes.bottle()
+    scene = Scene(base.bodies, base.media, base.lights, view, size=(12, 20))
+    film, pixels = Film(12, 20), np.arange(240)
+    native.NativeScene(scene).sample(film, pixels, 4, cutoff=1e-3, absorption=True, threads=2, cancel=Cancel())
+    total = np.zeros((240, 3))
+    for number in range(4):
+        inside = sample_points(pixels, number)
+        column, row = pixels % 12 + inside[:, 0], pixels // 12 + inside[:, 1]
+        rays = view.rays((2.0 * column - 12) / 20, 1.0 - 2.0 * row / 20)
+        total += native.radiance(scene, *rays).radiance
+    np.testing.assert_allclose(film.mean(), total / 4.0, atol=1e-10)
+    assert film.rays == 960
+
+
+def test_samples_of_a_pixel_are_stratified():
+    points = np.array([sample_points(np.array([7]), number)[0] for number in range(64)])
+    cells = set(map(tuple, np.floor(points * 8).astype(int)))
+    assert len(cells) == 64
+
+
+def test_switching_absorption_off_is_a_scene_without_it():
+    rays = tracer_scenes.rays_through(tracer_scenes.bottle(), 2000, seed=18)
+    off = native.radiance(tracer_scenes.bottle(), *rays, absorption=False)
+    clear = native.radiance(tracer_scenes.bottle(absorption=(0.0, 0.0, 0.0)), *rays)
+    assert off.radiance.tobytes() == clear.radiance.tobytes()
+
+
+def test_a_mesh_of_a_ball_approaches_the_ball():
+    fine = tracer_scenes.ball_mesh(10.0, rings=200, sectors=400)
+    assert isinstance(fine, Mesh)
+    rng = np.random.default_rng(19)
+    origins = np.column_stack([rng.uniform(-7, 7, (2000, 2)), np.full(2000, 50.0)])
+    directions = np.tile([0.0, 0.0, -1.0], (2000, 1))
+    media, lights = (Medium("ball", 1.5, (0.02, 0.03, 0.04)),), (tracer_scenes.sky(),)
+    exact = Scene((Body("ball", tracer_scenes.revolved_ball(10.0)),), media, lights, pinhole())
+    facets = Scene((Body("ball", fine),), media, lights, pinhole())
+    difference = native.radiance(exact, origins, directions).radiance - native.radiance(facets, origins, directions).radiance
+    assert np.median(np.abs(difference)) < 1e-4
+
+
+def pinhole():
+    return Pinhole((0.0, -500.0, 150.0), (0.0, 0.0, 150.0), 0.6)
