@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 from glassworkbench.document.properties import HIDDEN, OUTPUT, READ_ONLY, Property, add_properties, set_choices
@@ -144,7 +145,7 @@ def is_container(obj: Any) -> bool:
 class ContainerFeature:
     """Proxy of a ``Part::FeaturePython``: its hooks are called by FreeCAD."""
 
-    _container: Container | None = None
+    _made: _Made | None = None
 
     def __init__(self, obj: Any) -> None:
         obj.Proxy = self
@@ -154,16 +155,17 @@ class ContainerFeature:
     def execute(self, obj: Any) -> None:
         """Hollow the source; on failure keep the shape and say why in `Fault`."""
         try:
-            container = _hollowed(obj)
+            # Undo, redo and a touched source ask for a recompute, too, without anything to do.
+            if self._made is None or not self._made.is_what_is_asked(obj):
+                self._made = _make(obj)
         except GlassWorkbenchError as error:
             # Raised on, FreeCAD would show the user a traceback.
             obj.Fault = str(error)
             FreeCAD.Console.PrintError(f"{obj.Label}: {error}\n")
             return
-        self._container = container
-        obj.Shape = container.solid
+        obj.Shape = self._made.container.solid
         obj.Fault = ""
-        report = container.report.to_json()
+        report = self._made.container.report.to_json()
         wall = report["wall"]
         obj.MethodUsed = report["method"]
         obj.GlassVolume = report["glass_volume_mm3"]
@@ -176,8 +178,11 @@ class ContainerFeature:
 
     def onChanged(self, obj: Any, name: str) -> None:  # noqa: N802 (FreeCAD's name)
         """Keep the weight that of the glass."""
-        if name in ("Glass", "GlassVolume") and "WeightGrams" in obj.PropertiesList and not obj.Document.Restoring:
-            obj.WeightGrams = obj.GlassVolume.Value / 1000.0 * find_glass(obj.Glass).density_g_per_cm3
+        if name not in ("Glass", "GlassVolume") or obj.Document.Restoring:
+            return
+        glass = catalogue().get(obj.Glass)
+        if glass is not None:
+            obj.WeightGrams = obj.GlassVolume.Value / 1000.0 * glass.density_g_per_cm3
 
     def geometry(self, obj: Any) -> ContainerGeometry:
         """Return the container as the tracer knows it; hollows again after a reopening or an undo.
@@ -189,9 +194,9 @@ class ContainerFeature:
         """
         if obj.Fault:
             raise GlassWorkbenchError(f"{obj.Label}: {obj.Fault}")
-        if self._container is None or not obj.Shape.isPartner(self._container.solid):
-            self._container = _hollowed(obj)
-        return self._container.geometry()
+        if self._made is None or not obj.Shape.isPartner(self._made.container.solid):
+            self._made = _make(obj)
+        return self._made.container.geometry()
 
     def onDocumentRestored(self, obj: Any) -> None:  # noqa: N802 (FreeCAD's name)
         """Give an object of an older version what it lacks."""
@@ -220,16 +225,33 @@ class ContainerFeature:
         set_choices(obj, "Glass", catalogue())
 
 
-def _hollowed(obj: Any) -> Container:
+@dataclass(frozen=True, eq=False)
+class _Made:
+    """A container and what was asked for when it was made."""
+
+    source: Any
+    wall: str
+    method: str
+    tolerance_mm: float
+    container: Container
+
+    def is_what_is_asked(self, obj: Any) -> bool:
+        """Return whether hollowing again would give the same."""
+        asked = (wall_text(obj), obj.Method, obj.Tolerance.Value)
+        return (
+            asked == (self.wall, self.method, self.tolerance_mm)
+            and obj.Source is not None
+            and obj.Source.Shape.isSame(self.source)
+        )
+
+
+def _make(obj: Any) -> _Made:
     if obj.Source is None:
         raise InputError("Source: no mold is linked; choose the solid to hollow")
-    if obj.Method not in METHODS:
-        raise unknown_name("Method", obj.Method, METHODS)
-    mold = mold_from_shape(obj.Source.Shape, obj.Source.Label)
-    return hollow(
-        mold,
-        parse_thickness(wall_text(obj)),
-        method=obj.Method,
-        tolerance_mm=obj.Tolerance.Value or None,
-        seconds=obj.TimeLimit,
-    )
+    shape, wall, tolerance_mm = obj.Source.Shape, wall_text(obj), obj.Tolerance.Value
+    try:
+        mold = mold_from_shape(shape, obj.Source.Label)
+    except InputError as error:
+        raise InputError(f"{obj.Source.Label}: {error}") from error
+    container = hollow(mold, wall, method=obj.Method, tolerance_mm=tolerance_mm or None, seconds=obj.TimeLimit)
+    return _Made(shape, wall, obj.Method, tolerance_mm, container)

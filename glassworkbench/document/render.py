@@ -56,13 +56,15 @@ def make_render(
     Raises
     ------
     InputError
-        If `container` is none, or the station or the liquid is not known; the document is as before.
+        If `container` is none, station or liquid is not known, or the size is impossible; the document is as before.
     """
     if not is_container(container):
         raise InputError(f"{container.Label}: not a container; make one of it first")
     check_station(station)
     if fill:
         parse_fill(fill)
+    if min(size) < 1:
+        raise InputError(f"size: {size[0]}x{size[1]} pixels is impossible; each side is at least 1")
     document = document or container.Document
     obj = document.addObject("App::FeaturePython", "Render")
     RenderFeature(obj)
@@ -76,6 +78,7 @@ def make_render(
     obj.Width, obj.Height = size
     obj.Fill = fill
     obj.Label = f"{container.Label} {station}"
+    obj.purgeTouched()
     return obj
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from glassworkbench.document.appearance import colour, transparency_percent
-from glassworkbench.glass import find_glass
+from glassworkbench.glass import catalogue
 from glassworkbench.settings import RESOURCES
 
 ICONS = RESOURCES / "icons"
@@ -45,8 +45,8 @@ class ContainerView(_View):
         """Take over the colour of a new glass, and the sign of a fault."""
         if obj.Document.Restoring:
             return
-        if name == "Glass":
-            glass = find_glass(obj.Glass)
+        if name == "Glass" and obj.Glass in catalogue():
+            glass = catalogue()[obj.Glass]
             obj.ViewObject.ShapeColor = colour(glass)
             obj.ViewObject.Transparency = transparency_percent(glass)
         elif name == "Fault":
