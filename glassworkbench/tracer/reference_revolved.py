@@ -71,6 +71,7 @@ class RevolvedCrosser:
         tangent_r, tangent_z = self.pieces.tangent(piece, u)
         normal = np.column_stack([tangent_z[:, None] * radial, -tangent_r])
         normal /= _length(normal)[:, None]
+        # At a crossing n.d has the sign of -d_z g'; the signs around it say that without rounding.
         entering = brackets.outward == (lines.slope[line] >= 0.0)
         return line, advance[line] + distance, entering, normal @ self.frame
 
