@@ -14,6 +14,9 @@ except ModuleNotFoundError as error:
         file=sys.stderr,
     )
     os._exit(1)
+except KeyboardInterrupt:
+    print("glassworkbench: cancelled", file=sys.stderr)
+    os._exit(1)
 
 count = os.environ.get("GLASSWORKBENCH_ARGUMENTS")
 if count is None:

@@ -263,6 +263,8 @@ def test_a_stopped_render_leaves_nothing(tmp_path, route, stop):
     environment = os.environ | ({"FREECADCMD": FREECADCMD} if route == "freecadcmd" else {})
     command = [PROGRAM, "render", TUMBLER, "--tolerance", "1e-6", "-o", tmp_path / "x.png"]
     process = subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True)
+    while b"start.py" not in Path(f"/proc/{process.pid}/cmdline").read_bytes():
+        time.sleep(0.1)
     time.sleep(3.0)
     process.send_signal(stop)
     _, err = process.communicate(timeout=60)

@@ -65,7 +65,7 @@ def install(release: str, root: Path) -> None:
         command("debootstrap", "--variant=minbase", release, root, sources.split()[0], script_for(release))
         (root / "etc/apt/apt.conf.d/99compat").write_text('Acquire::Check-Valid-Until "false";\n')
         (root / ".ready").touch()
-    for folder in ("proc", "dev"):
+    for folder in ("proc", "dev", "dev/pts"):
         if subprocess.run(["mountpoint", "-q", root / folder]).returncode != 0:
             command("mount", "--bind", f"/{folder}", root / folder)
 
