@@ -177,7 +177,7 @@ def _flat_ends(solid: Part.Shape, vertices_mm: np.ndarray, direction: np.ndarray
         top = (sense * heights).max()
         tolerance = 1e-4 * np.ptp(heights)
         for number, face in enumerate(solid.Faces, start=1):
-            if type(face.Surface).__name__ != "Plane":
+            if not face.Surface.isPlanar():
                 continue
             normal = np.array(face.normalAt(*face.Surface.parameter(face.CenterOfMass)))
             if sense * normal @ direction < 1.0 - ALIGNED:

@@ -116,7 +116,7 @@ def _face_profile(face: Part.Face) -> np.ndarray | None:
         "BSplineSurface": _spline_surface,
         "BezierSurface": _spline_surface,
     }
-    kind = type(face.Surface).__name__
+    kind = "Plane" if face.Surface.isPlanar() else type(face.Surface).__name__
     profile = make[kind](face) if kind in make else None
     return None if profile is None else np.concatenate(list(_right_of_axis(profile)))
 
@@ -135,7 +135,7 @@ def _radius_height(point: FreeCAD.Vector) -> tuple[float, float]:
 
 
 def _plane(face: Part.Face) -> np.ndarray | None:
-    axis = face.Surface.Axis
+    axis = face.findPlane().Axis
     if np.hypot(axis.x, axis.y) * _reach(face) > REVOLVED_MM:
         return None
     radii = []

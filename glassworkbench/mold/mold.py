@@ -25,8 +25,8 @@ from glassworkbench.mold.read import read_shape, sha256
 from glassworkbench.mold.silhouette import find_regions, find_stem, radius_spread, silhouette
 from glassworkbench.scene.validate import positive
 
-LOWEST_MM, HIGHEST_MM = 2.0, 5000.0
-"""No glass container is lower or higher; a file that is was written in another unit than it declares."""
+SMALLEST_MM, LARGEST_MM = 4.0, 10_000.0
+"""No glass container is smaller or larger; a file that is was written in another unit than it declares."""
 
 EMBOSSED_SHARE = 0.1
 """What stands out from a round core by less than this share of the largest radius is a thread or embossing."""
@@ -161,7 +161,6 @@ def _mold(
     profiles = face_profiles(upright.Faces)
     core = chain(profiles)
     anatomy = _anatomy(standing, placement, upright, to_upright(vertices, standing), triangles, profiles, core)
-    _check_unit(anatomy.height_mm)
     return Mold(solid, upright, placement, anatomy, name, path, digest, core)
 
 
@@ -186,15 +185,16 @@ def _cut_at_finish(
     return moved(single_solid(cut), placement), direction
 
 
-def _check_unit(height_mm: float) -> None:
-    if height_mm < LOWEST_MM:
+def _check_unit(size_mm: float) -> None:
+    # Before any mesh is made: OCC's mesher does not come back from a shape of a few tenths of a millimetre.
+    if size_mm < SMALLEST_MM:
         raise InputError(
-            f"it is only {height_mm:.3g} mm high, so its lengths are probably metres; "
+            f"it is only {size_mm:.2g} mm large, so its lengths are probably metres; "
             "give the scale to mm (--scale 1000, scale_to_mm=1000)"
         )
-    if height_mm > HIGHEST_MM:
+    if size_mm > LARGEST_MM:
         raise InputError(
-            f"it is {height_mm:.3g} mm high, too much for a container; "
+            f"it is {size_mm:.2g} mm large, too much for a container; "
             "give the scale to mm (--scale 0.001, scale_to_mm=0.001, if it is a thousand times too large)"
         )
 
@@ -212,11 +212,13 @@ def single_solid(shape: Part.Shape) -> Part.Shape:
             f"it holds {len(shape.Solids)} solids, but a mold is one; join them, or export only the container's"
         )
     if not shape.Solids:
-        closed = [shell for shell in shape.Shells if shell.isClosed()]
-        if not closed:
+        # IGES knows no solids: its faces come loose, and are one when sewn.
+        sewn = Part.makeShell(shape.Faces)
+        sewn.sewShape()
+        if not sewn.isClosed():
             kind = "an open shell" if shape.Shells else "loose faces"
             raise InputError(f"it holds no solid, only {kind}; close the surface and export it as a solid")
-        return Part.makeSolid(closed[0])
+        return Part.makeSolid(sewn)
     solid = shape.Solids[0]
     if not all(shell.isClosed() for shell in solid.Shells):
         raise InputError("its solid is not closed (a shell has free edges); repair it in the CAD program")
@@ -225,6 +227,7 @@ def single_solid(shape: Part.Shape) -> Part.Shape:
 
 def outward(solid: Part.Shape) -> tuple[Part.Shape, np.ndarray, np.ndarray]:
     """Return a closed solid with its faces turned outward, and its mesh (vertices (n, 3), triangles (m, 3))."""
+    _check_unit(solid.BoundBox.DiagonalLength)
     vertices, triangles = mesh_of(solid)
     if signed_volume(vertices, triangles) > 0.0:
         return solid, vertices, triangles

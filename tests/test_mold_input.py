@@ -1,0 +1,153 @@
+"""Files that cannot be a mold are refused with one sentence, and OCC's noise stays away from the user."""
+
+from pathlib import Path
+
+import pytest
+
+from glassworkbench.errors import InputError
+from glassworkbench.freecad import FreeCAD, Part
+from glassworkbench.mold import inspect, mold_from_shape, read_mold
+
+MOLDS = Path(__file__).resolve().parent.parent / "examples" / "molds"
+
+
+def refusal(path, **options) -> str:
+    with pytest.raises(InputError) as caught:
+        read_mold(path, **options)
+    sentence = str(caught.value)
+    assert "\n" not in sentence
+    assert str(path) in sentence
+    return sentence
+
+
+@pytest.fixture
+def write(tmp_path):
+    def written(shape: Part.Shape) -> Path:
+        path = tmp_path / "mold.step"
+        shape.exportStep(str(path))
+        return path
+
+    return written
+
+
+def test_a_missing_file(tmp_path):
+    assert "no such file" in refusal(tmp_path / "nowhere.step")
+
+
+def test_an_empty_file(tmp_path):
+    path = tmp_path / "empty.step"
+    path.write_text("")
+    assert "empty" in refusal(path)
+
+
+def test_another_ending(tmp_path):
+    path = tmp_path / "bottle.docx"
+    path.write_text("bottle")
+    assert ".docx" in refusal(path)
+
+
+def test_a_file_that_is_not_step(tmp_path):
+    path = tmp_path / "picture.step"
+    path.write_bytes(b"\x89PNG\r\n" + bytes(1000))
+    assert "not a STEP file" in refusal(path)
+
+
+def test_a_truncated_file(tmp_path):
+    whole = (MOLDS / "wine_bottle.step").read_text()
+    path = tmp_path / "half.step"
+    path.write_text(whole[: len(whole) // 2])
+    assert "cut short" in refusal(path)
+
+
+def test_a_damaged_file_makes_no_noise(tmp_path, capfd):
+    whole = (MOLDS / "wine_bottle.step").read_text()
+    path = tmp_path / "damaged.step"
+    path.write_text(whole[:3000] + "#!?(((" + whole[6000:])
+    refusal(path)
+    captured = capfd.readouterr()
+    assert captured.out == captured.err == ""
+
+
+def test_a_damaged_brep_makes_no_noise(tmp_path, capfd):
+    path = tmp_path / "damaged.brep"
+    path.write_text("DBRep_DrawableShape\nnonsense")
+    assert "damaged" in refusal(path)
+    captured = capfd.readouterr()
+    assert captured.out == captured.err == ""
+
+
+def test_a_file_without_surfaces(write):
+    assert "no surface" in refusal(write(Part.makeLine((0, 0, 0), (0, 0, 10))))
+
+
+def test_faces_that_are_no_solid(write):
+    assert "no solid" in refusal(write(Part.makePlane(10, 10)))
+
+
+def test_an_open_shell(write):
+    box = Part.makeBox(30, 30, 90)
+    assert "open shell" in refusal(write(Part.makeShell(box.Faces[:5])))
+
+
+def test_a_closed_shell_is_taken_as_a_solid(write):
+    mold = read_mold(write(Part.makeShell(Part.makeBox(30, 30, 90).Faces)))
+    assert mold.anatomy.height_mm == pytest.approx(90)
+
+
+def test_several_solids(write):
+    boxes = [Part.makeBox(10, 10, 30), Part.makeBox(10, 10, 30, FreeCAD.Vector(50, 0, 0))]
+    assert "2 solids" in refusal(write(Part.makeCompound(boxes)))
+
+
+def test_a_mold_without_a_finish(write):
+    assert "mouth cannot be found" in refusal(write(Part.makeSphere(40)))
+
+
+def test_metres_declared_as_millimetres(write):
+    small = read_mold(MOLDS / "wine_bottle.step").solid.scaled(1e-3, FreeCAD.Vector())
+    path = write(small)
+    assert "--scale 1000" in refusal(path)
+    assert read_mold(path, scale_to_mm=1000).anatomy.height_mm == pytest.approx(300, rel=1e-3)
+
+
+def test_a_file_in_metres_arrives_in_millimetres(write):
+    path = write(Part.makeCylinder(0.02, 0.3))
+    path.write_text(path.read_text().replace("SI_UNIT(.MILLI.,.METRE.)", "SI_UNIT($,.METRE.)"))
+    assert read_mold(path).anatomy.height_mm == pytest.approx(300, rel=1e-6)
+    assert inspect(path)["unit"] == "metre"
+
+
+@pytest.mark.parametrize("scale", [0, -1, float("nan"), float("inf")])
+def test_an_impossible_scale(scale):
+    with pytest.raises(InputError, match="scale_to_mm"):
+        read_mold(MOLDS / "jar.step", scale_to_mm=scale)
+
+
+@pytest.mark.parametrize("axis", [(0, 0, 0), (0, 0), (0, 0, float("nan")), "up"])
+def test_an_impossible_axis(axis):
+    with pytest.raises(InputError, match="axis"):
+        mold_from_shape(Part.makeCylinder(20, 60), "can", axis=axis)
+
+
+def test_inspect_tells_faults_instead_of_refusing(write):
+    boxes = [Part.makeBox(10, 10, 30), Part.makeBox(10, 10, 30, FreeCAD.Vector(50, 0, 0))]
+    found = inspect(write(Part.makeCompound(boxes)))
+    assert found["solids"] == 2
+    assert "2 solids" in found["faults"][0]
+    assert found["axis"] is None
+
+
+@pytest.mark.parametrize("ending", ["brep", "iges", "FCStd"])
+def test_other_kinds_of_file_hold_the_same_mold(tmp_path, ending):
+    can = Part.makeCylinder(20, 60)
+    path = tmp_path / f"can.{ending}"
+    if ending == "FCStd":
+        document = FreeCAD.newDocument("can")
+        document.addObject("Part::Feature", "can").Shape = can
+        document.saveAs(str(path))
+        FreeCAD.closeDocument(document.Name)
+    else:
+        (can.exportBrep if ending == "brep" else can.exportIges)(str(path))
+    anatomy = read_mold(path).anatomy
+    assert anatomy.height_mm == pytest.approx(60, abs=1e-6)
+    assert anatomy.maximum_radius_mm == pytest.approx(20, abs=1e-6)
