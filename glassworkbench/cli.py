@@ -25,7 +25,7 @@ from glassworkbench.output import check_writable, written_aside
 from glassworkbench.scene import Revolved, Scene, Surface
 from glassworkbench.scene.file import read_scene
 from glassworkbench.settings import unknown_name
-from glassworkbench.stations import check_station, parse_fill, station, stations
+from glassworkbench.stations import check_station, parse_fill, sample_container, station, stations
 from glassworkbench.tracer import Cancel, render
 from glassworkbench.tracer.plan import EFFECTS
 
@@ -341,7 +341,10 @@ def _bar(label: str, quiet: bool) -> Iterator[Callable[[float], None] | None]:
 # glasses and stations
 
 
-def _prepare_catalogue(parser: argparse.ArgumentParser) -> None:
+PREVIEW_SECONDS = 5.0
+
+
+def _prepare_glasses(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="answer in JSON")
 
 
@@ -358,7 +361,20 @@ def _glasses(options: argparse.Namespace) -> None:
             print(f"  {material.name:13} {material.refractive_index:.5f}  {passed}   {material.description}")
 
 
+def _prepare_stations(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--json", action="store_true", help="answer in JSON")
+    parser.add_argument("--preview", metavar="S", help="render a tumbler at this station instead")
+    parser.add_argument("-o", "--output", metavar="IMAGE", help="where to write the preview")
+
+
 def _stations(options: argparse.Namespace) -> None:
+    if (options.preview is None) != (options.output is None):
+        raise InputError("--preview and -o belong together; give both, as --preview studio -o studio.png")
+    if options.preview is not None:
+        output = check_writable(options.output, IMAGE_ENDINGS)
+        scene = station(options.preview, sample_container(), "flint", size=(240, 320))
+        render(scene, seconds=PREVIEW_SECONDS).save(output)
+        return
     known = stations()
     print(_json(known) if options.json else "\n".join(f"{name:10} {what}" for name, what in known.items()))
 
@@ -414,8 +430,13 @@ _VERBS = {
         "show what light makes of a container",
         "bottle.step --wall 3 --glass emerald --station studio -o bottle.png",
     ),
-    "glasses": (_prepare_catalogue, _glasses, "list the glasses and the liquids that fill them", "--json"),
-    "stations": (_prepare_catalogue, _stations, "list the stations where a container is seen", ""),
+    "glasses": (_prepare_glasses, _glasses, "list the glasses and the liquids that fill them", "--json"),
+    "stations": (
+        _prepare_stations,
+        _stations,
+        "list the stations where a container is seen",
+        "--preview studio -o studio.png",
+    ),
 }
 
 

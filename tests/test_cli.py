@@ -115,6 +115,15 @@ def test_catalogues_are_listed(capsys):
     assert [line.split()[0] for line in capsys.readouterr().out.splitlines()] == ["studio", "sidewall"]
 
 
+def test_a_station_is_previewed(tmp_path, capsys):
+    assert main(["stations", "--preview", "sidewall", "-o", str(tmp_path / "x.png")]) == 0
+    image = read_image(tmp_path / "x.png")
+    assert image.metadata["station"] == "sidewall"
+    assert image.pixels[160, 3].min() > 0.99
+    assert image.pixels[:, 40:200].min() < 0.3
+    assert capsys.readouterr().out == ""
+
+
 MOLD = ["render", WINE_BOTTLE, "-o", "{folder}/x.png", "--wall", "3"]
 SCENE = ["render", BALL, "-o", "{folder}/x.png"]
 HOLLOW = ["hollow", WINE_BOTTLE, "-o", "{folder}/x.step"]
@@ -148,6 +157,8 @@ HOLLOW = ["hollow", WINE_BOTTLE, "-o", "{folder}/x.step"]
         (["render", BALL, "-o", "{folder}/x.bmp"], "'.bmp' is not known"),
         (["render", BALL, "-o", "{folder}/no/x.png"], "there is no folder"),
         (["render", BALL, "-o", "/proc/x.png"], "nothing can be written"),
+        (["stations", "--preview", "studio"], "belong together"),
+        (["stations", "--preview", "studi", "-o", "{folder}/x.png"], "did you mean 'studio'"),
         ([*SCENE, "--report", "{folder}/no/r.json"], "there is no folder"),
         (["render", "{folder}/missing.toml", "-o", "{folder}/x.png"], "there is no such file"),
     ],

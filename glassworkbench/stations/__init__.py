@@ -2,5 +2,6 @@
 
 from glassworkbench.stations.catalogue import check_station, station, stations
 from glassworkbench.stations.contents import Fill, parse_fill
+from glassworkbench.stations.sample import sample_container
 
-__all__ = ["Fill", "check_station", "parse_fill", "station", "stations"]
+__all__ = ["Fill", "check_station", "parse_fill", "sample_container", "station", "stations"]
