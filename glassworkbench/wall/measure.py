@@ -15,6 +15,9 @@ from glassworkbench.wall.thickness import ThicknessOverHeight
 SAMPLES = 3000
 """Points on the inner surface that are measured."""
 
+CHORD_MM = 0.15
+"""Length of the chords that stand for the outer meridian."""
+
 DENSITY_G_PER_CM3 = 2.5
 """Of soda-lime container glass."""
 
@@ -64,7 +67,7 @@ def measure_revolved(wall: WallMeridian, cavity: np.ndarray, thickness: Thicknes
     Points that face the round floor above a stem, or the mouth, have no wall before them and are left out.
     """
     inside = _spread_on_meridian(cavity[:-1])
-    outside = [polyline(segment[None], 128) for segment in wall.segments]
+    outside = [polyline(segment[None], _chords(segment)) for segment in wall.segments]
     distance = np.full(len(inside), np.inf)
     feet, underside = np.zeros((len(inside), 2)), np.zeros(len(inside), dtype=bool)
     elsewhere = distance_to_polyline(inside, _above_lip(wall, thickness))[0]
@@ -181,6 +184,12 @@ def mesh_volume(mesh: Mesh) -> Volume:
 def weight_g(glass_volume_mm3: float) -> float:
     """Return the weight of a glass volume."""
     return DENSITY_G_PER_CM3 * 1e-3 * glass_volume_mm3
+
+
+def _chords(segment: np.ndarray) -> int:
+    """Return how many chords follow a segment to about a micrometre, unless it bends more sharply than a fillet."""
+    legs = np.linalg.norm(np.diff(segment[:, :2], axis=0), axis=1)
+    return int(np.clip(legs.sum() / CHORD_MM, 32, 1024))
 
 
 def _above_lip(wall: WallMeridian, thickness: ThicknessOverHeight) -> np.ndarray:

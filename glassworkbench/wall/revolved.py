@@ -29,6 +29,9 @@ CLEARANCE_MM = 1e-6
 SMOOTH = 1e-4
 """Neighbouring segments whose tangents differ by less (rad) join smoothly."""
 
+CORNER = 1e-5
+"""Pieces of the outside that turn inward by less (rad) count as one; CAD files are seldom smoother."""
+
 PAST_MOUTH_MM = 5.0
 """How far the tracer's cavity reaches above the finish."""
 
@@ -296,6 +299,9 @@ def _unfolded(envelope: _Envelope) -> list[tuple[float, float]]:
     trace, places = envelope.trace, envelope.places
     kept = np.isfinite(trace.points[:, 0]) & (trace.points[:, 0] >= -1e-9)
     kept[kept] = clearance(trace.points[kept], trace.feet, trace.thickness) >= -CLEARANCE_MM
+    for end in _convex_corners(envelope):
+        # The fold behind a blunt corner can be smaller than the samples' spacing, but it is there.
+        kept[end : end + 2] = False
     edges = np.flatnonzero(np.diff(np.concatenate([[False], kept, [False]]).astype(int)))
     runs = [(first, last - 1) for first, last in edges.reshape(-1, 2)]
     runs = [run for run in runs if run[1] > run[0]]
@@ -312,6 +318,14 @@ def _unfolded(envelope: _Envelope) -> list[tuple[float, float]]:
             stretches.append((joint[1], places[end]))
             last = end
     return stretches
+
+
+def _convex_corners(envelope: _Envelope) -> np.ndarray:
+    """Return the samples that end a piece where the next starts turned toward the inside."""
+    directions = envelope.trace.directions
+    before, after = directions[:-1], directions[1:]
+    turn = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
+    return np.flatnonzero((np.diff(np.floor(envelope.places)) > 0) & (turn > CORNER))
 
 
 def _axis_place(envelope: _Envelope, first: int) -> float:
@@ -332,24 +346,30 @@ def _axis_place(envelope: _Envelope, first: int) -> float:
 def _joint(envelope: _Envelope, last: int, first: int) -> tuple[float, float] | None:
     """Return the places where the branch that ends at sample `last` meets the one that starts at `first`."""
     places = envelope.places
-    a = places[max(last - 2, 0)], places[min(last + 3, len(places) - 1)]
-    b = places[max(first - 3, 0)], places[min(first + 2, len(places) - 1)]
-    for _ in range(14):
+    # Each branch is followed into its fold, but not past the end of its piece, where the next may start elsewhere.
+    a_end = np.nextafter(np.floor(places[last]) + 1.0, 0.0)
+    a = places[max(last - 2, 0)], min(places[min(last + 3, len(places) - 1)], a_end)
+    b = max(places[max(first - 3, 0)], np.floor(places[first])), places[min(first + 2, len(places) - 1)]
+    found = False
+    # Ten rounds of a sixteenth each come down to the last digits of a place; there the test itself may miss.
+    for _ in range(10):
         grids = np.linspace(*a, 17), np.linspace(*b, 17)
         p, q = (envelope.at(grid).points for grid in grids)
         i, j = (index.ravel() for index in np.indices((16, 16)))
         hits = np.flatnonzero(np.isfinite(intersection(p[i], p[i + 1], q[j], q[j + 1])))
         if len(hits) == 0:
             break
+        found = True
         i, j = i[hits[0]], j[hits[0]]
         a, b = (grids[0][i], grids[0][i + 1]), (grids[1][j], grids[1][j + 1])
-    else:
+    if found:
         return 0.5 * (a[0] + a[1]), 0.5 * (b[0] + b[1])
-    # Branches that meet at a grazing angle may miss each other by rounding; touching ends are as good.
+    # Branches that meet at a grazing angle may miss each other by rounding; ends that all but touch are as good.
+    pairs = [(a[1], b[0]), (float(places[last]), float(places[first]))]
+    gaps = [np.linalg.norm(np.diff(envelope.at(np.array(pair)).points, axis=0)) for pair in pairs]
     points = envelope.trace.points
-    gap = np.linalg.norm(points[first] - points[last])
     spacing = np.linalg.norm(points[last] - points[last - 1]) + np.linalg.norm(points[first + 1] - points[first])
-    return (places[last], places[first]) if gap <= spacing else None
+    return pairs[int(np.argmin(gaps))] if min(gaps) <= spacing else None
 
 
 def _up_to(envelope: _Envelope, stretches: list[tuple[float, float]], height_mm: float) -> list[tuple[float, float]]:

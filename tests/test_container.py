@@ -1,0 +1,235 @@
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from glassworkbench.errors import GlassWorkbenchError, InputError
+from glassworkbench.freecad import FreeCAD, Part
+from glassworkbench.mold import mold_from_shape, read_mold
+from glassworkbench.scene import Mesh, Revolved
+from glassworkbench.wall import METHODS, choose, hollow, parse_thickness
+from glassworkbench.wall.measure import mesh_volume, nearest_on_mesh
+
+EXAMPLES = Path(__file__).resolve().parent.parent / "examples" / "molds"
+
+
+@pytest.fixture(scope="module")
+def cylinder():
+    """Return a mold of radius 30 and height 120 that lies along x, its base at x = 10."""
+    shape = Part.makeCylinder(30, 120, FreeCAD.Vector(10, 0, 0), FreeCAD.Vector(1, 0, 0))
+    return mold_from_shape(shape, "cylinder", up=(1, 0, 0))
+
+
+@pytest.fixture(scope="module")
+def square():
+    """Return a mold 60 x 60 x 100 with upright edges rounded by 10."""
+    box = Part.makeBox(60, 60, 100, FreeCAD.Vector(-30, -30, 0))
+    upright = [edge for edge in box.Edges if abs(edge.tangentAt(edge.FirstParameter).z) > 0.5]
+    return mold_from_shape(box.makeFillet(10, upright), "square", axis=(0, 0, 1), up=(0, 0, 1))
+
+
+def mesh_volume_of(shape, deviation=0.01):
+    vertices, triangles = shape.tessellate(deviation)
+    a, b, c = (np.array([tuple(v) for v in vertices])[np.array(triangles)[:, k]] for k in range(3))
+    return np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0
+
+
+def test_a_cylinder_has_the_volume_weight_capacity_and_centre_of_its_formula(cylinder):
+    container = hollow(cylinder, 3)
+    capacity, body = np.pi * 27**2 * 117, np.pi * 30**2 * 120
+    report = container.report
+    assert container.method == "revolved"
+    assert report.brimful_ml == pytest.approx(1e-3 * capacity, rel=1e-9)
+    assert report.glass_volume_mm3 == pytest.approx(body - capacity, rel=1e-9)
+    assert report.weight_g == pytest.approx(2.5e-3 * (body - capacity), rel=1e-9)
+    centre = (body * 60.0 - capacity * (3 + 58.5)) / (body - capacity)
+    assert report.centre_of_gravity_mm == pytest.approx([10 + centre, 0, 0], abs=1e-6)
+    assert report.wall.deviation_max_mm < 1e-6
+
+
+def test_the_solid_lies_where_the_mold_lay_and_is_valid(cylinder):
+    solid = hollow(cylinder, 3).solid
+    assert solid.isValid()
+    assert len(solid.Solids) == 1
+    assert all(shell.isClosed() for shell in solid.Shells)
+    assert mesh_volume_of(solid) == pytest.approx(np.pi * (30**2 * 120 - 27**2 * 117), rel=2e-3)
+    assert not solid.isInside(FreeCAD.Vector(100, 0, 0), 1e-6, True)
+    assert solid.isInside(FreeCAD.Vector(11, 0, 0), 1e-6, True)
+
+
+def test_number_text_and_data_ask_for_the_same_wall(cylinder):
+    volumes = [hollow(cylinder, wall).report.glass_volume_mm3 for wall in (3, "3 mm", parse_thickness("3"))]
+    assert volumes[0] == volumes[1] == volumes[2]
+
+
+def test_a_square_mold_is_hollowed_by_offset(square):
+    container = hollow(square, 4)
+    outside = (60**2 - (4 - np.pi) * 10**2) * 100
+    capacity = (52**2 - (4 - np.pi) * 6**2) * 96
+    report = container.report
+    assert [attempt.outcome for attempt in report.tried] == ["unsuitable", "accepted"]
+    assert report.method == "thick_solid"
+    assert report.brimful_ml == pytest.approx(1e-3 * capacity, rel=1e-4)
+    assert report.weight_g == pytest.approx(2.5e-3 * (outside - capacity), rel=1e-3)
+    assert report.wall.deviation_max_mm < 1e-2
+    assert container.solid.isValid()
+    assert mesh_volume_of(container.solid) == pytest.approx(outside - capacity, rel=2e-3)
+
+
+def test_geometry_is_upright_and_the_cavity_reaches_past_the_mouth(cylinder, square):
+    for mold, kind in ((cylinder, Revolved), (square, Mesh)):
+        geometry = hollow(mold, 3).geometry()
+        assert isinstance(geometry.outer, kind)
+        assert isinstance(geometry.cavity, kind)
+        assert geometry.low_mm[2] == pytest.approx(0.0, abs=1e-6)
+        assert geometry.finish_height_mm == pytest.approx(geometry.high_mm[2])
+        cavity = geometry.cavity
+        top = cavity.meridian[:, :, 1].max() if kind is Revolved else cavity.vertices_mm[:, 2].max()
+        assert top > geometry.finish_height_mm + 1.0
+
+
+def test_the_report_has_the_documented_keys(cylinder):
+    report = json.loads(json.dumps(hollow(cylinder, "0:3 120:2").report.to_json()))
+    assert set(report) == {
+        *("method", "tried", "wall", "solid", "glass_volume_mm3", "weight_g", "brimful_ml"),
+        *("centre_of_gravity_mm", "seconds"),
+    }
+    assert set(report["tried"][0]) == {"method", "outcome", "why", "seconds"}
+    wall = {"asked", "samples", "min_mm", "min_at_mm", "deviation_max_mm", "deviation_p99_mm", "deviation_rms_mm"}
+    assert wall <= set(report["wall"])
+    assert set(report["solid"]) == {"valid", "closed", "self_intersecting", "faces"}
+    assert report["wall"]["asked"] == "0:3 120:2"
+    assert report["wall"]["samples"] >= 2000
+    assert len(report["wall"]["min_at_mm"]) == 3
+
+
+def test_the_thinnest_place_of_a_tapering_wall_is_at_its_thin_end(cylinder):
+    wall = hollow(cylinder, "0:4 120:2 linear").report.wall
+    assert wall.minimum_mm == pytest.approx(2.0, abs=0.06)
+    assert wall.minimum_at_mm[0] > 120.0
+
+
+@pytest.mark.parametrize("wall", [0, -1, float("nan"), "0", "nan", 30, 61, "0:2 120:31"])
+def test_an_impossible_wall_is_refused(cylinder, wall):
+    with pytest.raises(InputError, match="wall"):
+        hollow(cylinder, wall)
+
+
+def test_unknown_methods_and_impossible_limits_are_refused(cylinder):
+    with pytest.raises(InputError, match="revolved"):
+        hollow(cylinder, 3, method="revolve")
+    with pytest.raises(InputError, match="tolerance_mm"):
+        hollow(cylinder, 3, tolerance_mm=0)
+    with pytest.raises(InputError, match="seconds"):
+        hollow(cylinder, 3, seconds=-1)
+    assert METHODS[0] == "auto"
+
+
+def test_where_all_methods_fail_the_user_reads_what_was_tried(square):
+    with pytest.raises(GlassWorkbenchError, match=r"revolved: .*thick_solid: .*varies"):
+        hollow(square, "0:3 100:2")
+    with pytest.raises(GlassWorkbenchError, match="within 1e-09 mm"):
+        hollow(square, 3, tolerance_mm=1e-9)
+
+
+def test_a_method_that_runs_out_of_time_is_an_outcome(square):
+    with pytest.raises(GlassWorkbenchError, match="did not finish within"):
+        hollow(square, 3, seconds=0.05)
+
+
+def test_a_worker_that_crashes_is_an_outcome(square, monkeypatch):
+    monkeypatch.setattr(choose, "thick_solid", crash)
+    with pytest.raises(GlassWorkbenchError, match="thick_solid: the worker process crashed"):
+        hollow(square, 3)
+
+
+def crash(outer, finish_face, thickness_mm):
+    import os
+
+    os.abort()
+
+
+@pytest.mark.parametrize("ending", [".step", ".brep", ".FCStd", ".stl"])
+def test_the_solid_is_saved_by_ending(cylinder, tmp_path, ending):
+    container = hollow(cylinder, 3)
+    path = tmp_path / f"jar{ending}"
+    container.save(path)
+    assert [file.name for file in tmp_path.iterdir()] == [path.name]
+    if ending == ".stl":
+        mesh = __import__("Mesh").Mesh(str(path))
+        assert mesh.Volume == pytest.approx(container.report.glass_volume_mm3, rel=0.02)
+    elif ending == ".FCStd":
+        document = FreeCAD.openDocument(str(path), hidden=True)
+        try:
+            assert document.Objects[0].Shape.isValid()
+            assert document.Objects[0].Label == "cylinder"
+        finally:
+            FreeCAD.closeDocument(document.Name)
+    else:
+        shape = Part.Shape()
+        shape.read(str(path))
+        assert mesh_volume_of(shape) == pytest.approx(container.report.glass_volume_mm3, rel=2e-3)
+
+
+def test_a_file_that_cannot_be_is_refused_and_nothing_is_written(cylinder, tmp_path):
+    container = hollow(cylinder, 3)
+    with pytest.raises(InputError, match="docx"):
+        container.save(tmp_path / "jar.docx")
+    with pytest.raises(InputError, match="folder"):
+        container.save(tmp_path / "missing" / "jar.step")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_sphere_is_measured_through_its_facets():
+    mesh = sphere_mesh(20.0, 24)
+    assert mesh_volume(mesh).volume_mm3 == pytest.approx(4 / 3 * np.pi * 20**3, rel=1e-3)
+
+
+def test_the_nearest_point_of_a_mesh_is_that_of_a_search_through_all_triangles():
+    mesh = sphere_mesh(20.0, 12)
+    corners = mesh.vertices_mm[mesh.triangles]
+    random = np.random.default_rng(3)
+    points = random.normal(size=(20, 3)) * 15.0
+    feet, numbers, shares = nearest_on_mesh(points, corners)
+    grid = random.dirichlet([1, 1, 1], size=400)
+    cloud = np.einsum("sk,mkc->msc", grid, corners).reshape(-1, 3)
+    for point, foot in zip(points, feet, strict=True):
+        distance = np.linalg.norm(foot - point)
+        searched = np.linalg.norm(cloud - point, axis=1).min()
+        assert distance <= searched + 1e-12
+        assert distance >= searched - 0.1
+    assert feet == pytest.approx(np.einsum("ij,ijk->ik", shares, corners[numbers]))
+
+
+def sphere_mesh(radius, steps):
+    polar, azimuth = np.linspace(0, np.pi, steps + 1), np.linspace(0, 2 * np.pi, 2 * steps, endpoint=False)
+    rings = [
+        np.column_stack([np.sin(t) * np.cos(azimuth), np.sin(t) * np.sin(azimuth), np.full(2 * steps, np.cos(t))])
+        for t in polar[1:-1]
+    ]
+    points = np.concatenate([[(0, 0, 1)], *rings, [(0, 0, -1)]])
+    around = np.arange(2 * steps)
+    beside = (around + 1) % (2 * steps)
+    triangles = [np.column_stack([np.zeros_like(around), 1 + around, 1 + beside])]
+    for ring in range(steps - 2):
+        upper, lower = 1 + 2 * steps * ring, 1 + 2 * steps * (ring + 1)
+        triangles.append(np.column_stack([upper + around, lower + around, lower + beside]))
+        triangles.append(np.column_stack([upper + around, lower + beside, upper + beside]))
+    last = 1 + 2 * steps * (steps - 2)
+    triangles.append(np.column_stack([last + around, np.full_like(around, len(points) - 1), last + beside]))
+    return Mesh(radius * points, np.concatenate(triangles), points)
+
+
+@pytest.mark.skipif(not EXAMPLES.is_dir(), reason="the example molds are not here")
+@pytest.mark.parametrize(
+    ("name", "lightest_g", "heaviest_g"),
+    [("wine_bottle", 440, 500), ("beer_bottle", 240, 300), ("jar", 190, 240), ("wine_glass", 230, 280)],
+)
+def test_example_molds_weigh_what_such_containers_weigh(name, lightest_g, heaviest_g):
+    mold = read_mold(EXAMPLES / f"{name}.step")
+    report = hollow(mold, 3).report
+    assert lightest_g < report.weight_g < heaviest_g
+    assert report.wall.deviation_p99_mm < 0.02
+    assert report.solid.valid
+    assert report.solid.closed
