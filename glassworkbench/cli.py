@@ -111,7 +111,7 @@ def _parse(arguments: Sequence[str]) -> argparse.Namespace:
         raise unknown_name("verb", asked, _VERBS)
     options, unknown = parser.parse_known_args(arguments, argparse.Namespace(quiet=False, verbose=False))
     if unknown and unknown[0].startswith("-"):
-        known = set(re.findall(r"(?<!\w)--[a-z]+", options.verb_parser.format_help()))
+        known = set(re.findall(r"(?<!\w)--[a-z-]+", options.verb_parser.format_help()))
         raise unknown_name(f"{asked}: option", unknown[0].partition("=")[0], known)
     if unknown:
         raise InputError(f"{asked}: {unknown[0]!r} is one argument too many; quote a name that holds spaces")
@@ -192,6 +192,8 @@ def _add_wall_options(parser: argparse.ArgumentParser, required: bool) -> None:
         help="thickness in mm, as 3, or 'finish=2.5 body=2 base=5', or @wall.csv with height_mm,thickness_mm",
     )
     parser.add_argument("--method", metavar="M", help="how to hollow (auto)")
+    parser.add_argument("--scale", type=float, metavar="F", help="multiply lengths, if the file's unit is wrong")
+    parser.add_argument("--outer-shell", action="store_true", help="take the outside of a hollow container as the mold")
 
 
 def _container(options: argparse.Namespace, **limits: float | None) -> object:
@@ -201,7 +203,8 @@ def _container(options: argparse.Namespace, **limits: float | None) -> object:
     thickness = parse_thickness(options.wall)
     from glassworkbench.mold import read_mold
 
-    return hollow(read_mold(options.mold), thickness, method=options.method or "auto", **limits)
+    mold = read_mold(options.mold, scale_to_mm=options.scale, outer_shell=options.outer_shell)
+    return hollow(mold, thickness, method=options.method or "auto", **limits)
 
 
 # render
@@ -275,9 +278,11 @@ def _render(options: argparse.Namespace) -> None:
 
 def _scene(options: argparse.Namespace) -> Scene:
     if Path(options.mold).suffix.lower() == ".toml":
-        for name in ("wall", "method", "station", "glass", "fill"):
-            if getattr(options, name) is not None:
-                raise InputError(f"--{name}: the scene file {options.mold} says it; leave the option out")
+        for name in ("wall", "method", "scale", "outer_shell", "station", "glass", "fill"):
+            if getattr(options, name):
+                raise InputError(
+                    f"--{name.replace('_', '-')}: the scene file {options.mold} says it; leave the option out"
+                )
         scene = read_scene(options.mold, _read_step)
         return scene if options.size is None else dataclasses.replace(scene, size=options.size)
     glass = find_glass(options.glass or "flint")

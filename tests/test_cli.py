@@ -183,6 +183,8 @@ def test_bad_input_is_told_in_one_sentence_and_leaves_nothing(tmp_path, capsys, 
         (["hollow", "{folder}/missing.step", "--wall", "3", "-o", "{folder}/x.step"], "there is no such file"),
         (["render", "{folder}/missing.step", "--wall", "3", "-o", "{folder}/x.png"], "there is no such file"),
         (["render", WINE_BOTTLE, "--wall", "nan", "-o", "{folder}/x.png"], "finite"),
+        ([*HOLLOW, "--wall", "3", "--scale", "0.001"], "--scale 1000"),
+        ([*HOLLOW, "--wall", "3", "--scale", "nan"], "scale_to_mm"),
         (["inspect", "{folder}/missing.step"], "there is no such file"),
     ],
 )
