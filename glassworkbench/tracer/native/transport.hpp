@@ -52,7 +52,7 @@ class Transport {
         Answer answer;
         for (int i = 0; i < longest_path; ++i) {
             const Next next = nearest(path);
-            if (next.body < 0) return;
+            if (next.body < 0 || light_before(path.ray, next.hit.t).panel != nullptr) return;
             const Meeting m = meet(path, next, answer);
             if (m.medium_before != m.medium_after)
                 if (!record(Crossing{m.point, next.body, next.hit.entering, m.medium_before, m.medium_after, m.cosine,
@@ -85,6 +85,21 @@ class Transport {
         double cosine;
         Interface interface;
     };
+
+    struct Light {
+        double t;
+        const Panel* panel;
+    };
+
+    // The nearest panel that the ray meets before `end`, or none and `end` itself.
+    Light light_before(const Ray& ray, double end) const {
+        Light light{end, nullptr};
+        for (const Panel& panel : scene_.panels) {
+            const double t = panel.distance(ray);
+            if (t < light.t) light = {t, &panel};
+        }
+        return light;
+    }
 
     std::uint32_t inside_bits(const Ray& ray) const {
         std::uint32_t bits = 0;
@@ -195,23 +210,16 @@ class Transport {
             waiting_.pop_back();
             for (;;) {
                 const Next next = nearest(path);
-                double end = next.hit.t;
-                const Panel* light = nullptr;
-                for (const Panel& panel : scene_.panels) {
-                    const double t = panel.distance(path.ray);
-                    if (t < end) {
-                        end = t;
-                        light = &panel;
-                    }
-                }
+                const Light light = light_before(path.ray, next.hit.t);
+                const double end = light.t;
                 if (absorbing) {
                     const Colour& alpha = scene_.media[scene_.medium_of_bits[path.bits]].absorption_per_mm;
                     if (alpha.largest() > 0.0 && end < INFINITY)
                         path.weight = path.weight * Colour{std::exp(-alpha.r * end), std::exp(-alpha.g * end),
                                                            std::exp(-alpha.b * end)};
                 }
-                if (light != nullptr) {
-                    answer.radiance = answer.radiance + path.weight * light->radiance;
+                if (light.panel != nullptr) {
+                    answer.radiance = answer.radiance + path.weight * light.panel->radiance;
                     break;
                 }
                 if (next.body < 0) {
@@ -223,15 +231,12 @@ class Transport {
                 const bool first_path = path.depth == 0;
                 if (first_path) travelled += end;
                 if (m.medium_before != m.medium_after && first_path) answer.depth = travelled;
-                if (path.depth >= settings_.maximum_depth || path.crossings >= longest_path) {
+                const bool too_deep = m.medium_before != m.medium_after && path.depth >= settings_.maximum_depth;
+                if (too_deep || path.crossings >= longest_path) {
                     answer.bound += path.weight.largest() * scene_.brightest;
                     break;
                 }
                 const double reflectance = m.interface.reflectance;
-                if (m.medium_before == m.medium_after) {
-                    path = refracted(path, next, m);
-                    continue;
-                }
                 if (reflectance <= 0.0 || reflectance >= 1.0) {
                     path = reflectance >= 1.0 ? reflected(path, next, m) : refracted(path, next, m);
                     if (keep(path, answer)) continue;
