@@ -268,6 +268,11 @@ def test_scene_files_render_without_any_freecad(tmp_path):
     assert (tmp_path / "x.png").is_file()
 
 
+def hear_signals():
+    # A shell starts background work with Ctrl-C ignored, and tests may be such work.
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 @pytest.mark.parametrize("stop", [signal.SIGINT, signal.SIGTERM])
 @pytest.mark.parametrize("route", ["module", "freecadcmd"])
 def test_a_stopped_render_leaves_nothing(tmp_path, route, stop):
@@ -275,12 +280,15 @@ def test_a_stopped_render_leaves_nothing(tmp_path, route, stop):
         pytest.skip("freecadcmd is not installed")
     environment = os.environ | ({"FREECADCMD": FREECADCMD} if route == "freecadcmd" else {})
     command = [PROGRAM, "render", TUMBLER, "--tolerance", "1e-6", "-o", tmp_path / "x.png"]
-    process = subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True, preexec_fn=hear_signals)
     while b"start.py" not in Path(f"/proc/{process.pid}/cmdline").read_bytes():
         time.sleep(0.1)
     time.sleep(3.0)
     process.send_signal(stop)
-    _, err = process.communicate(timeout=60)
+    try:
+        _, err = process.communicate(timeout=60)
+    finally:
+        process.kill()
     assert process.returncode == 1
     assert err == "glassworkbench: cancelled\n"
     assert list(tmp_path.iterdir()) == []
