@@ -10,6 +10,7 @@ from glassworkbench.scene import Mesh
 from glassworkbench.wall.bezier import evaluate, polyline
 from glassworkbench.wall.distance import distance_to_polyline, nearest_on_mesh
 from glassworkbench.wall.profile import WallMeridian
+from glassworkbench.wall.revolved import clearance
 from glassworkbench.wall.thickness import ThicknessOverHeight
 
 SAMPLES = 3000
@@ -36,7 +37,7 @@ class WallMeasure:
     minimum_at_mm : array (3,)
         The inner point of the thinnest wall, upright.
     deviation_max_mm, deviation_p99_mm, deviation_rms_mm : float
-        Of the shortest distance to the outside, from the thickness asked at the outer point where it ends.
+        Of the distance to an outer point, from the thickness asked there.
     """
 
     samples: int
@@ -64,23 +65,27 @@ class Volume:
 def measure_revolved(wall: WallMeridian, cavity: np.ndarray, thickness: ThicknessOverHeight) -> WallMeasure:
     """Measure a revolved cavity, closed by its last segment (n, 4, 3), in the meridian half-plane.
 
-    Points that face the round floor above a stem, or the mouth, have no wall before them and are left out.
+    Where the thickness changes quickly, the outer point that decides is not the nearest one, but the one whose
+    thickness reaches farthest in; the deviation is taken there. Points that face the round floor above a stem, or the
+    mouth, have no wall before them and are left out.
     """
     inside = _spread_on_meridian(cavity[:-1])
-    outside = [polyline(segment[None], _chords(segment)) for segment in wall.segments]
-    distance = np.full(len(inside), np.inf)
-    feet, underside = np.zeros((len(inside), 2)), np.zeros(len(inside), dtype=bool)
+    distance, deviation = np.full((2, len(inside)), np.inf)
     elsewhere = distance_to_polyline(inside, _above_lip(wall, thickness))[0]
-    for points, is_underside, is_outside in zip(outside, wall.underside, wall.outside, strict=True):
-        gap, foot, _ = distance_to_polyline(inside, points)
+    for segment, is_underside, is_outside in zip(wall.segments, wall.underside, wall.outside, strict=True):
+        outline = polyline(segment[None], _chords(segment))
+        gap, feet, _ = distance_to_polyline(inside, outline)
         if is_outside:
-            nearer = gap < distance
-            distance[nearer], feet[nearer], underside[nearer] = gap[nearer], foot[nearer], is_underside
+            distance = np.minimum(distance, gap)
+            deviation = np.minimum(deviation, gap - thickness.at(feet[:, 1], is_underside))
+            if thickness.uniform_mm is None:
+                asked = thickness.at(outline[:, 1], is_underside)
+                deviation = np.minimum(deviation, clearance(inside, outline, asked))
         else:
             elsewhere = np.minimum(elsewhere, gap)
     mine = distance <= elsewhere + 1e-9
     points = np.column_stack([inside[:, 0], np.zeros(len(inside)), inside[:, 1]])
-    return _summary(points[mine], distance[mine], thickness.at(feet[:, 1], underside)[mine])
+    return _summary(points[mine], distance[mine], deviation[mine])
 
 
 def measure_mesh(
@@ -93,7 +98,7 @@ def measure_mesh(
     inside = _spread_on_mesh(cavity, samples)
     inside = inside[inside[:, 2] < finish_height_mm - thickness.maximum_mm]
     distance, feet = _distance_to_surface(inside, outer, finish_height_mm)
-    return _summary(inside, distance, thickness.at(feet[:, 2]))
+    return _summary(inside, distance, distance - thickness.at(feet[:, 2]))
 
 
 def _distance_to_surface(points: np.ndarray, mesh: Mesh, finish_height_mm: float) -> tuple[np.ndarray, np.ndarray]:
@@ -224,8 +229,8 @@ def _spread_on_mesh(mesh: Mesh, samples: int) -> np.ndarray:
     return np.einsum("ij,ijk->ik", shares, mesh.vertices_mm[triangles]) + height[:, None] * normals
 
 
-def _summary(points: np.ndarray, distance: np.ndarray, asked: np.ndarray) -> WallMeasure:
-    deviation = np.abs(distance - asked)
+def _summary(points: np.ndarray, distance: np.ndarray, deviation: np.ndarray) -> WallMeasure:
+    deviation = np.abs(deviation)
     thinnest = int(np.argmin(distance))
     return WallMeasure(
         samples=len(points),
