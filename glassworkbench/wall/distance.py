@@ -8,8 +8,8 @@ BLOCK = 32
 """Triangles that share one bounding box; small enough to look at all, large enough to skip many at once."""
 
 
-def distance_to_polyline(points: np.ndarray, vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return distances (n,), nearest points (n, 2) and the numbers (n,) of the polyline's segments they lie on.
+def distance_to_polyline(points: np.ndarray, vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return distances (n,) and nearest points (n, 2).
 
     Parameters
     ----------
@@ -18,7 +18,7 @@ def distance_to_polyline(points: np.ndarray, vertices: np.ndarray) -> tuple[np.n
     """
     starts, along = vertices[:-1], np.diff(vertices, axis=0)
     squared = np.maximum(np.sum(along**2, axis=1), 1e-300)
-    distances, feet, numbers = np.empty(len(points)), np.empty((len(points), 2)), np.empty(len(points), dtype=int)
+    distances, feet = np.empty(len(points)), np.empty((len(points), 2))
     for first in range(0, len(points), 256):
         group = slice(first, first + 256)
         offset = points[group, None] - starts
@@ -28,8 +28,7 @@ def distance_to_polyline(points: np.ndarray, vertices: np.ndarray) -> tuple[np.n
         row = np.arange(len(nearest))
         distances[group] = gap[row, nearest]
         feet[group] = starts[nearest] + share[row, nearest, None] * along[nearest]
-        numbers[group] = nearest
-    return distances, feet, numbers
+    return distances, feet
 
 
 def nearest_on_mesh(points: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -74,7 +74,7 @@ def measure_revolved(wall: WallMeridian, cavity: np.ndarray, thickness: Thicknes
     elsewhere = distance_to_polyline(inside, _above_lip(wall, thickness))[0]
     for segment, is_underside, is_outside in zip(wall.segments, wall.underside, wall.outside, strict=True):
         outline = polyline(segment[None], _chords(segment))
-        gap, feet, _ = distance_to_polyline(inside, outline)
+        gap, feet = distance_to_polyline(inside, outline)
         if is_outside:
             distance = np.minimum(distance, gap)
             deviation = np.minimum(deviation, gap - thickness.at(feet[:, 1], is_underside))
