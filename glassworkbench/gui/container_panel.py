@@ -56,7 +56,7 @@ class ContainerPanel:
 
         self.form = QtWidgets.QWidget()
         self.form.setWindowTitle(title)
-        rows = QtWidgets.QFormLayout(self.form)
+        rows = QtWidgets.QFormLayout(self.form, rowWrapPolicy=QtWidgets.QFormLayout.WrapAllRows)
         rows.addRow(translate("Glass", "Wall thickness"), self._thickness)
         rows.addRow(translate("Glass", "By region"), self._regions)
         rows.addRow(translate("Glass", "Method"), self._method)
