@@ -89,7 +89,18 @@ def test_a_smaller_cutoff_stays_within_the_bound_of_a_larger_one():
 def test_grazing_rays_in_a_push_up_find_both_crossings():
     # A ray that skims along the push-up: piece and hyperbola bend opposite ways, and both crossings lie where the
     # slopes at the piece's ends have the same sign. They were once missed, and the ray leaked.
-    corners = [(0, 22), (7, 21), (14, 17.8), (20, 12.8), (25, 6.8), (28.2, 2.6), (31, 0.45), (38, 16), (38, 40), (0, 40)]
+    corners = [
+        (0, 22),
+        (7, 21),
+        (14, 17.8),
+        (20, 12.8),
+        (25, 6.8),
+        (28.2, 2.6),
+        (31, 0.45),
+        (38, 16),
+        (38, 40),
+        (0, 40),
+    ]
     meridian = tracer_scenes.polyline(*corners)
     meridian[4] = tracer_scenes.cubic((25, 6.8), (26.034, 5.385), (27.012, 3.945), (28.2, 2.6))
     scene = Scene((Body("glass", Revolved(meridian)),), (Medium("glass", 1.52),), (Environment(1.0),), pinhole())
@@ -152,9 +163,7 @@ def test_cancel_from_another_thread_stops_a_running_trace():
 
 @pytest.mark.parametrize("camera", ["pinhole", "telecentric"])
 def test_the_film_holds_the_mean_of_its_samples_rays(camera):
-    view = (
-        pinhole() if camera == "pinhole" else Telecentric((0.0, -500.0, 150.0), (0.0, 0.0, 150.0), height_mm=330.0)
-    )
+    view = pinhole() if camera == "pinhole" else Telecentric((0.0, -500.0, 150.0), (0.0, 0.0, 150.0), height_mm=330.0)
     base = tracer_scenes.bottle()
     scene = Scene(base.bodies, base.media, base.lights, view, size=(12, 20))
     film, pixels = Film(12, 20), np.arange(240)
@@ -191,7 +200,9 @@ def test_a_mesh_of_a_ball_approaches_the_ball():
     media, lights = (Medium("ball", 1.5, (0.02, 0.03, 0.04)),), (tracer_scenes.sky(),)
     exact = Scene((Body("ball", tracer_scenes.revolved_ball(10.0)),), media, lights, pinhole())
     facets = Scene((Body("ball", fine),), media, lights, pinhole())
-    difference = native.radiance(exact, origins, directions).radiance - native.radiance(facets, origins, directions).radiance
+    difference = (
+        native.radiance(exact, origins, directions).radiance - native.radiance(facets, origins, directions).radiance
+    )
     assert np.median(np.abs(difference)) < 1e-4
 
 

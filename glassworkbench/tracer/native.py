@@ -11,9 +11,10 @@ from pathlib import Path
 import numpy as np
 from numpy.ctypeslib import ndpointer
 
-from glassworkbench.errors import Cancelled, GlassWorkbenchError
+from glassworkbench.errors import Cancelled, GlassWorkbenchError, InputError
 from glassworkbench.scene import Body, Environment, Mesh, Panel, Revolved, Scene, Telecentric
 from glassworkbench.scene.cameras import Camera, camera_frame
+from glassworkbench.scene.validate import finite_array, unit_vector
 from glassworkbench.tracer.control import Cancel, Control
 from glassworkbench.tracer.film import Film
 from glassworkbench.tracer.result import Crossing, Radiance
@@ -105,9 +106,8 @@ class NativeScene:
             self._add_body(body)
         table = scene.medium_table()
         indices = scene.refractive_indices()
-        self._call(
-            "glass_set_media", table, len(table), indices, np.ascontiguousarray(scene.absorptions_per_mm()), len(indices)
-        )
+        absorptions = np.ascontiguousarray(scene.absorptions_per_mm())
+        self._call("glass_set_media", table, len(table), indices, absorptions, len(indices))
         for light in scene.lights:
             if isinstance(light, Panel):
                 self._call("glass_add_panel", light.origin_mm, light.u_mm, light.v_mm, light.radiance)
@@ -148,11 +148,15 @@ class NativeScene:
 
         Raises
         ------
+        InputError
+            If the arrays do not fit together, a number is not finite, or a direction has no length.
         Cancelled
         """
-        origins = np.ascontiguousarray(origins, dtype=np.float64).reshape(-1, 3)
-        directions = np.ascontiguousarray(directions, dtype=np.float64).reshape(-1, 3)
+        origins = finite_array(origins, (None, 3), "origins")
         n = len(origins)
+        directions = finite_array(directions, (n, 3), "directions")
+        if not np.all(np.any(directions, axis=1)):
+            raise InputError("directions: a direction must have a length above 0")
         colour, bound, depth = np.empty((n, 3)), np.empty(n), np.empty(n)
         crossings, leaks = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
         self._call(
@@ -219,8 +223,8 @@ class NativeScene:
     def follow(self, origin: np.ndarray, direction: np.ndarray, *, room: int = 1024) -> list[Crossing]:
         """Return the interfaces along the refracted path of one ray (the reflected, where reflection is total)."""
         numbers, values = np.zeros((room, 4), dtype=np.int32), np.zeros((room, 5))
-        origin = np.ascontiguousarray(origin, dtype=np.float64)
-        direction = np.ascontiguousarray(direction, dtype=np.float64)
+        origin = finite_array(origin, (3,), "origin")
+        direction = unit_vector(direction, "direction")
         count = self._library.glass_follow(self._handle, origin, direction, room, numbers, values)
         if count < 0:
             raise GlassWorkbenchError("the native tracer failed to follow the ray; it ran out of memory")

@@ -83,8 +83,8 @@ def _absorption(scene: Scene, tolerance: float, wish: bool | None) -> Effect:
     path_mm = _longest_chord_mm(scene)
     change = scene.brightest() * -np.expm1(-float(np.max(scene.absorptions_per_mm())) * path_mm)
     if wish is not None:
-        return Effect("absorption", wish, f"asked for; it can change a pixel by up to {change:.2g}")
-    on = change > NEGLIGIBLE_SHARE * tolerance
+        return Effect("absorption", bool(wish), f"asked for; it can change a pixel by up to {change:.2g}")
+    on = bool(change > NEGLIGIBLE_SHARE * tolerance)
     against = "more" if on else "no more"
     why = (
         f"over {path_mm:.0f} mm it can change a pixel by up to {change:.2g}, {against} than "

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from glassworkbench.scene import Scene
@@ -32,12 +34,13 @@ class ReferenceScene:
         if len(pixels) == 0:
             return
         width, height = self._scene.size
+        scene = self._scene if absorption else _without_absorption(self._scene)
         for number in range(int(film.samples[pixels[0]]), samples):
             cancel.check()
             inside = sample_points(pixels, number)
             column, row = pixels % width + inside[:, 0], pixels // width + inside[:, 1]
             rays = self._scene.camera.rays((2.0 * column - width) / height, 1.0 - 2.0 * row / height)
-            answer = reference.radiance(self._scene, *rays, cutoff=cutoff)
+            answer = reference.radiance(scene, *rays, cutoff=cutoff)
             film.sum[pixels] += answer.radiance
             film.low[pixels] = np.minimum(film.low[pixels], answer.radiance)
             film.high[pixels] = np.maximum(film.high[pixels], answer.radiance)
@@ -46,3 +49,7 @@ class ReferenceScene:
                 film.depth_mm[pixels] = answer.depth_mm
             film.add_totals(len(pixels), answer.crossings.sum(), answer.leaks.sum())
         film.samples[pixels] = samples
+
+
+def _without_absorption(scene: Scene) -> Scene:
+    return replace(scene, media=[replace(medium, absorption_per_mm=np.zeros(3)) for medium in scene.media])

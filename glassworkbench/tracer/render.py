@@ -19,7 +19,6 @@ from glassworkbench.tracer.film import Film
 from glassworkbench.tracer.plan import Plan, plan
 from glassworkbench.tracer.reference_film import ReferenceScene
 
-
 DEFAULT_TOLERANCE = 0.01
 TIMED_TOLERANCE = 0.001
 """What is aimed at where the user gives a time instead of a tolerance."""

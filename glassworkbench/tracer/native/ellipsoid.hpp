@@ -8,7 +8,7 @@
 namespace glass {
 
 class Ellipsoid {
-  public:
+public:
     Ellipsoid(const Vector& centre, const Vector& semi_axes, const Rotation& rotation)
         : centre_(centre), semi_axes_(semi_axes), rotation_(rotation) {
         Vector reach{};
@@ -48,7 +48,7 @@ class Ellipsoid {
 
     Vector facet_normal(const Hit&, const Vector& normal) const { return normal; }
 
-  private:
+private:
     Vector to_sphere(const Vector& v) const {
         const Vector local = rotation_.to_local(v);
         return {local.x / semi_axes_.x, local.y / semi_axes_.y, local.z / semi_axes_.z};

@@ -6,9 +6,9 @@
 namespace glass {
 
 struct Interface {
-    double reflectance;     // 1 at total internal reflection
-    double cos_refracted;   // 0 at total internal reflection
-    double ratio;           // n1 / n2
+    double reflectance;    // 1 at total internal reflection
+    double cos_refracted;  // 0 at total internal reflection
+    double ratio;          // n1 / n2
 };
 
 // Fresnel's equations, averaged over the two polarisations. 1 - sin^2 is formed as (1 - s)(1 + s): near the critical

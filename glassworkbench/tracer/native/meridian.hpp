@@ -56,7 +56,7 @@ inline void power_basis(const Bernstein& b, double (&p)[4]) {
 }
 
 class MeridianCutter {
-  public:
+public:
     // Twelve degrees: a hyperbola and a piece that bends less meet at most twice on each branch.
     static constexpr double largest_turn = 0.21;
 
@@ -92,7 +92,7 @@ class MeridianCutter {
         }
     }
 
-  private:
+private:
     static Bernstein part(const Bernstein& a, double low, double high) {
         Bernstein left, right, inner, rest;
         subdivide(a, high, left, rest);
@@ -108,8 +108,8 @@ class MeridianCutter {
         for (int k = 0; k < 3; ++k) {
             const double step_r = pr[k + 1] / pw[k + 1] - pr[k] / pw[k], step_z = pz[k + 1] / pw[k + 1] - pz[k] / pw[k];
             if (k > 0 && (step_r != 0.0 || step_z != 0.0) && (previous_r != 0.0 || previous_z != 0.0))
-                turn += std::fabs(std::atan2(previous_r * step_z - previous_z * step_r,
-                                             previous_r * step_r + previous_z * step_z));
+                turn += std::fabs(
+                    std::atan2(previous_r * step_z - previous_z * step_r, previous_r * step_r + previous_z * step_z));
             if (step_r != 0.0 || step_z != 0.0) previous_r = step_r, previous_z = step_z;
         }
         if (turn > largest_turn && high - low > 1e-6) {

@@ -15,7 +15,7 @@
 namespace glass {
 
 class Mesh {
-  public:
+public:
     using Triangle = std::array<std::int32_t, 3>;
 
     Mesh(std::vector<Vector> vertices, std::vector<Vector> normals, std::vector<Triangle> triangles)
@@ -72,7 +72,7 @@ class Mesh {
         return normalised(cross(vertices_[t[1]] - vertices_[t[0]], vertices_[t[2]] - vertices_[t[0]]));
     }
 
-  private:
+private:
     struct Node {
         Box box;
         std::int32_t first = 0;  // first triangle of a leaf, or the second child
@@ -141,8 +141,7 @@ class Mesh {
         }
         nodes_[index].box = box;
         const Vector extent = centres.high - centres.low;
-        const int axis =
-            extent.x > extent.y ? (extent.x > extent.z ? 0 : 2) : (extent.y > extent.z ? 1 : 2);
+        const int axis = extent.x > extent.y ? (extent.x > extent.z ? 0 : 2) : (extent.y > extent.z ? 1 : 2);
         if (count <= 2 || !(extent[axis] > 0.0)) {
             nodes_[index].first = first;
             nodes_[index].count = count;

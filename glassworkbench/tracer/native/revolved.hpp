@@ -21,7 +21,7 @@
 namespace glass {
 
 class Revolved {
-  public:
+public:
     Revolved(const std::vector<Segment>& meridian, const Vector& base, const Vector& axis) : base_(base) {
         const Vector away = std::fabs(axis.x) < 0.6 ? Vector{1, 0, 0} : Vector{0, 1, 0};
         rotation_.row[2] = normalised(axis);
@@ -55,8 +55,8 @@ class Revolved {
 
     const Box& bounds() const { return bounds_; }
 
-    // Calls visit(hit) for the crossings with t in [t_min, t_best], which the visitor may shorten as it goes. `start` is
-    // the hit that the ray starts at, if it starts on this surface: that root is not looked for again.
+    // Calls visit(hit) for the crossings with t in [t_min, t_best], which the visitor may shorten as it goes. `start`
+    // is the hit that the ray starts at, if it starts on this surface: that root is not looked for again.
     template <class Visit>
     void crossings(const Ray& ray, double t_min, const double& t_best, const Hit& start, Visit&& visit) const {
         walk(Chart(*this, ray), t_min, t_best, start, visit);
@@ -83,7 +83,7 @@ class Revolved {
 
     Vector facet_normal(const Hit&, const Vector& normal) const { return normal; }
 
-  private:
+private:
     static constexpr int width = lane_count;
 
     struct Node {
@@ -224,8 +224,7 @@ class Revolved {
     }
 
     template <class Visit>
-    void solve(const Chart& ray, int number, double tau_low, double tau_high, const Hit& start,
-               Visit&& visit) const {
+    void solve(const Chart& ray, int number, double tau_low, double tau_high, const Hit& start, Visit&& visit) const {
         const Piece& piece = pieces_[number];
         const double u_start = number == start.part ? start.u : -1.0;
         if (!ray.flat) {
@@ -406,8 +405,8 @@ class Revolved {
         const double g0 = part.at_low.g, g1 = part.at_high.g, span = g1 - g0;
         const double s = -g0 / span, t = 1.0 - s;
         const double m0 = span / part.at_low.slope, m1 = span / part.at_high.slope;
-        const double x = t * t * (1.0 + 2.0 * s) * part.low + s * s * (3.0 - 2.0 * s) * part.high + s * t * t * m0 -
-                         s * s * t * m1;
+        const double x =
+            t * t * (1.0 + 2.0 * s) * part.low + s * s * (3.0 - 2.0 * s) * part.high + s * t * t * m0 - s * s * t * m1;
         return x >= part.low && x <= part.high ? x : part.low + s * (part.high - part.low);
     }
 

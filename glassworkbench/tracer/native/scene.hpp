@@ -34,8 +34,15 @@ struct Panel {
     Colour radiance;
 
     Panel(const Vector& origin, const Vector& u, const Vector& v, const Colour& radiance)
-        : origin(origin), u(u), v(v), normal(cross(u, v)), uu(dot(u, u)), uv(dot(u, v)), vv(dot(v, v)),
-          inverse(1.0 / (uu * vv - uv * uv)), radiance(radiance) {}
+        : origin(origin),
+          u(u),
+          v(v),
+          normal(cross(u, v)),
+          uu(dot(u, u)),
+          uv(dot(u, v)),
+          vv(dot(v, v)),
+          inverse(1.0 / (uu * vv - uv * uv)),
+          radiance(radiance) {}
 
     // Distance at which the ray meets the panel, or infinity.
     double distance(const Ray& ray) const {

@@ -203,29 +203,30 @@ GLASS_EXPORT int32_t glass_sample(const glass_scene* scene, const glass_settings
         view.width = camera->width;
         view.height = camera->height;
         std::atomic<std::int64_t> crossings{0}, leaks{0};
-        const std::int32_t outcome = share(scene, settings, n, threads, control, [&](glass::Transport& transport, std::int64_t i) {
-            const std::int64_t pixel = pixels[i];
-            const double column = static_cast<double>(pixel % camera->width);
-            const double row = static_cast<double>(pixel / camera->width);
-            std::int64_t crossed = 0, leaked = 0;
-            for (std::uint32_t number = first; number < last; ++number) {
-                const glass::SamplePoint point = glass::sample_point(pixel, number);
-                const glass::Answer answer = transport.radiance(view.ray(column + point.x, row + point.y));
-                const double value[3] = {answer.radiance.r, answer.radiance.g, answer.radiance.b};
-                for (int channel = 0; channel < 3; ++channel) {
-                    const std::int64_t k = 3 * pixel + channel;
-                    sum[k] += value[channel];
-                    low[k] = std::fmin(low[k], value[channel]);
-                    high[k] = std::fmax(high[k], value[channel]);
+        const std::int32_t outcome =
+            share(scene, settings, n, threads, control, [&](glass::Transport& transport, std::int64_t i) {
+                const std::int64_t pixel = pixels[i];
+                const double column = static_cast<double>(pixel % camera->width);
+                const double row = static_cast<double>(pixel / camera->width);
+                std::int64_t crossed = 0, leaked = 0;
+                for (std::uint32_t number = first; number < last; ++number) {
+                    const glass::SamplePoint point = glass::sample_point(pixel, number);
+                    const glass::Answer answer = transport.radiance(view.ray(column + point.x, row + point.y));
+                    const double value[3] = {answer.radiance.r, answer.radiance.g, answer.radiance.b};
+                    for (int channel = 0; channel < 3; ++channel) {
+                        const std::int64_t k = 3 * pixel + channel;
+                        sum[k] += value[channel];
+                        low[k] = std::fmin(low[k], value[channel]);
+                        high[k] = std::fmax(high[k], value[channel]);
+                    }
+                    bound[pixel] += answer.bound;
+                    if (number == 0) depth[pixel] = answer.depth;
+                    crossed += answer.crossings;
+                    leaked += answer.leaks;
                 }
-                bound[pixel] += answer.bound;
-                if (number == 0) depth[pixel] = answer.depth;
-                crossed += answer.crossings;
-                leaked += answer.leaks;
-            }
-            crossings.fetch_add(crossed, std::memory_order_relaxed);
-            leaks.fetch_add(leaked, std::memory_order_relaxed);
-        });
+                crossings.fetch_add(crossed, std::memory_order_relaxed);
+                leaks.fetch_add(leaked, std::memory_order_relaxed);
+            });
         totals[0] += n * static_cast<std::int64_t>(last - first);
         totals[1] += crossings.load();
         totals[2] += leaks.load();

@@ -38,7 +38,7 @@ constexpr int longest_path = 4096;  // crossings of any kind along one path, int
 
 // One for each thread: it keeps its stack of waiting rays from one camera ray to the next.
 class Transport {
-  public:
+public:
     Transport(const Scene& scene, const Settings& settings) : scene_(scene), settings_(settings) {}
 
     Answer radiance(const Ray& camera_ray) {
@@ -62,7 +62,7 @@ class Transport {
         }
     }
 
-  private:
+private:
     struct Path {
         Ray ray;
         Colour weight;
@@ -132,9 +132,11 @@ class Transport {
                 next.hit = hit;
                 next.body = k;
             };
-            std::visit([&](const auto& surface) { surface.crossings(path.ray, lowest, best, k == path.last_body ? path.last_hit : Hit{}, visit);
-                       },
-                       scene_.bodies[k]);
+            std::visit(
+                [&](const auto& surface) {
+                    surface.crossings(path.ray, lowest, best, k == path.last_body ? path.last_hit : Hit{}, visit);
+                },
+                scene_.bodies[k]);
         }
         next.hit.t = std::fmax(next.hit.t, 0.0);
         return next;
@@ -189,14 +191,24 @@ class Transport {
     }
 
     static Path reflected(const Path& path, const Next& next, const Meeting& m) {
-        return {{m.point, reflected_direction(path, m)}, path.weight, path.bits, path.depth + 1, path.crossings + 1,
-                next.body, next.hit};
+        return {{m.point, reflected_direction(path, m)},
+                path.weight,
+                path.bits,
+                path.depth + 1,
+                path.crossings + 1,
+                next.body,
+                next.hit};
     }
 
     static Path refracted(const Path& path, const Next& next, const Meeting& m) {
         const bool interface = m.medium_before != m.medium_after;
-        return {{m.point, refracted_direction(path, m)}, path.weight, m.bits_after, path.depth + interface,
-                path.crossings + 1, next.body, next.hit};
+        return {{m.point, refracted_direction(path, m)},
+                path.weight,
+                m.bits_after,
+                path.depth + interface,
+                path.crossings + 1,
+                next.body,
+                next.hit};
     }
 
     template <bool absorbing>
