@@ -158,8 +158,8 @@ class ContainerFeature:
             # Undo, redo and a touched source ask for a recompute, too, without anything to do.
             if self._made is None or not self._made.is_what_is_asked(obj):
                 self._made = _make(obj)
-        except GlassWorkbenchError as error:
-            # Raised on, FreeCAD would show the user a traceback.
+        except (GlassWorkbenchError, RuntimeError, ValueError) as error:
+            # Raised on, FreeCAD would show the user a traceback; OCC's failures are RuntimeErrors.
             obj.Fault = str(error)
             FreeCAD.Console.PrintError(f"{obj.Label}: {error}\n")
             return

@@ -207,6 +207,8 @@ def single_solid(shape: Part.Shape) -> Part.Shape:
     InputError
         If it holds none, several, or an open shell.
     """
+    if shape.isNull() or not shape.Faces:
+        raise InputError("it is empty; choose something that holds a solid")
     if len(shape.Solids) > 1:
         raise InputError(
             f"it holds {len(shape.Solids)} solids, but a mold is one; join them, or export only the container's"
