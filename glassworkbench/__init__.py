@@ -25,6 +25,11 @@ _HOMES = {
     "Cancel": "glassworkbench.tracer",
     "Image": "glassworkbench.images",
     "read_image": "glassworkbench.images",
+    "radiance": "glassworkbench.tracer.native",
+    "follow": "glassworkbench.tracer.native",
+    "make_container": "glassworkbench.document",
+    "make_render": "glassworkbench.document",
+    "render_image": "glassworkbench.document",
 }
 
 __all__ = ["__version__", *_HOMES]
