@@ -121,7 +121,7 @@ GLASS_EXPORT int32_t glass_add_mesh(glass_scene* scene, const double* vertices, 
         std::vector<glass::Mesh::Triangle> corners(static_cast<std::size_t>(triangle_count));
         for (std::size_t i = 0; i < corners.size(); ++i)
             corners[i] = {triangles[3 * i], triangles[3 * i + 1], triangles[3 * i + 2]};
-        return add(scene, glass::Mesh(std::move(points), std::move(directions), std::move(corners)));
+        return add(scene, glass::Mesh(points, std::move(directions), corners));
     });
 }
 
