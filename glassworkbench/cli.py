@@ -25,7 +25,7 @@ from glassworkbench.output import check_writable, written_aside
 from glassworkbench.scene import Revolved, Scene, Surface
 from glassworkbench.scene.file import read_scene
 from glassworkbench.settings import unknown_name
-from glassworkbench.stations import check_station, parse_fill, sample_container, station, stations
+from glassworkbench.staging import check_station, parse_fill, sample_container, station, stations
 from glassworkbench.tracer import Cancel, render
 from glassworkbench.tracer.plan import EFFECTS
 

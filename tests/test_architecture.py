@@ -19,7 +19,7 @@ MAY_IMPORT = {
     "glass": COMMON,
     "images": COMMON,
     "scene": COMMON | {"glass", "images"},
-    "stations": COMMON | {"glass", "scene"},
+    "staging": COMMON | {"glass", "scene"},
     "tracer": COMMON | {"scene", "images"},
     "mold": COMMON | {"freecad", "scene"},
     "wall": COMMON | {"freecad", "scene", "glass", "mold"},
@@ -42,7 +42,7 @@ def imported(path):
 
 
 def test_the_package_is_found():
-    assert {"scene", "glass", "images", "stations"} <= {room(path) for path in FILES}
+    assert {"scene", "glass", "images", "staging"} <= {room(path) for path in FILES}
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(PACKAGE)))

@@ -51,3 +51,8 @@ def test_every_name_of_the_macro_api_is_there():
 def test_the_macro_api_says_so_when_a_name_is_wrong():
     with pytest.raises(AttributeError, match="rendr"):
         gw.rendr  # noqa: B018
+
+
+def test_no_room_hides_a_verb():
+    rooms = {path.stem for path in (ROOT / "glassworkbench").iterdir()}
+    assert not rooms & set(gw.__all__)

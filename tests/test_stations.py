@@ -7,8 +7,8 @@ from glassworkbench.errors import InputError
 from glassworkbench.glass import find_filling, find_glass
 from glassworkbench.scene import ContainerGeometry, Environment, Panel, Revolved
 from glassworkbench.scene.cameras import camera_frame
-from glassworkbench.stations import Fill, parse_fill, station, stations
-from glassworkbench.stations.studio import studio_light
+from glassworkbench.staging import Fill, parse_fill, station, stations
+from glassworkbench.staging.studio import studio_light
 
 PROPORTIONS = {"bottle": (38.0, 300.0), "dish": (120.0, 40.0), "ampoule": (5.0, 200.0)}
 

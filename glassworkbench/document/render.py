@@ -11,8 +11,8 @@ from glassworkbench.errors import InputError
 from glassworkbench.freecad import FreeCAD
 from glassworkbench.images import Image
 from glassworkbench.scene import Scene
-from glassworkbench.stations import check_station, parse_fill, stations
-from glassworkbench.stations import station as place_in_station
+from glassworkbench.staging import check_station, parse_fill, stations
+from glassworkbench.staging import station as place_in_station
 from glassworkbench.tracer import render
 
 SCHEMA_VERSION = 1

@@ -10,7 +10,7 @@ from glassworkbench.errors import GlassWorkbenchError
 from glassworkbench.gui import preferences
 from glassworkbench.gui.feedback import show_error, translate
 from glassworkbench.gui.qt import QtWidgets
-from glassworkbench.stations import stations
+from glassworkbench.staging import stations
 
 LARGEST_SIDE_PIXELS = 8192
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from glassworkbench.scene import ContainerGeometry, Environment, Pinhole
-from glassworkbench.stations.framing import framing_camera
+from glassworkbench.staging.framing import framing_camera
 
 
 def studio(

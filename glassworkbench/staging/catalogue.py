@@ -8,9 +8,9 @@ from types import MappingProxyType
 from glassworkbench.glass import Glass, find_glass
 from glassworkbench.scene import ContainerGeometry, Scene
 from glassworkbench.settings import RESOURCES, read_toml, unknown_name
-from glassworkbench.stations.contents import Fill, bodies, media, parse_fill
-from glassworkbench.stations.sidewall import sidewall
-from glassworkbench.stations.studio import studio
+from glassworkbench.staging.contents import Fill, bodies, media, parse_fill
+from glassworkbench.staging.sidewall import sidewall
+from glassworkbench.staging.studio import studio
 
 _VIEWS = MappingProxyType({"studio": studio, "sidewall": sidewall})
 

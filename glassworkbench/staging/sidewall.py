@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from glassworkbench.scene import ContainerGeometry, Panel, Pinhole
-from glassworkbench.stations.framing import framing_camera
+from glassworkbench.staging.framing import framing_camera
 
 
 def sidewall(
