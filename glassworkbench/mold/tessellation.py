@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 
 from glassworkbench.errors import GlassWorkbenchError, InputError
@@ -11,6 +13,9 @@ from glassworkbench.scene.validate import positive
 
 NODE_DECIMALS = 4
 """Nodes are matched to their surface parameters by position, rounded to a tenth of a micrometre."""
+
+WELD_MM = 1e-7
+"""Nodes of neighbouring faces nearer than this are one: in a turned solid they differ by rounding."""
 
 
 def tessellate(shape: Part.Shape, deviation_mm: float) -> Mesh:
@@ -48,7 +53,7 @@ def tessellate(shape: Part.Shape, deviation_mm: float) -> Mesh:
         triangles.append(corners + count)
         normals.append(_normals(face, points, corners))
         count += len(points)
-    points, corners = np.concatenate(vertices), np.concatenate(triangles)
+    points, corners = _welded(np.concatenate(vertices)), np.concatenate(triangles)
     try:
         return Mesh(points, corners, np.concatenate(normals))
     except InputError as error:
@@ -56,6 +61,20 @@ def tessellate(shape: Part.Shape, deviation_mm: float) -> Mesh:
             f"the shape could not be meshed without holes at {deviation_mm:g} mm ({error}); "
             "repair the shape, or try another deviation"
         ) from error
+
+
+def _welded(points: np.ndarray) -> np.ndarray:
+    """Return the points (n, 3), those nearer to each other than WELD_MM made equal.
+
+    Two near points share a cell of a grid unless a cell's wall parts them; then they share one of the grid moved by
+    half a cell along some of the axes.
+    """
+    points = points.copy()
+    for shift in itertools.product((0.0, 0.5), repeat=3):
+        cells = np.floor(points / (4.0 * WELD_MM) + shift)
+        _, first, place = np.unique(cells, axis=0, return_index=True, return_inverse=True)
+        points = points[first[place.reshape(-1)]]
+    return points
 
 
 def _normals(face: Part.Face, points: np.ndarray, corners: np.ndarray) -> np.ndarray:
