@@ -23,7 +23,7 @@ PROPERTIES = (
     Property("App::PropertyString", "Fill", "Render", "What it holds, like water or water:120 (level in mm)", OUTPUT),
     Property("App::PropertyInteger", "Width", "Render", "Of the image in pixels", OUTPUT, 480),
     Property("App::PropertyInteger", "Height", "Render", "Of the image in pixels", OUTPUT, 640),
-    Property("App::PropertyPrecision", "Tolerance", "Render", "Accepted error, a fraction of white", OUTPUT, 0.01),
+    Property("App::PropertyPrecision", "Tolerance", "Render", "Accepted error, a fraction of white", OUTPUT, 0.02),
     Property("App::PropertyInteger", "SchemaVersion", "Base", "Of the saved properties", READ_ONLY | OUTPUT | HIDDEN),
 )
 
@@ -31,7 +31,7 @@ PROPERTIES = (
 def make_render(
     container: Any,
     station: str = "studio",
-    tolerance: float = 0.01,
+    tolerance: float = 0.02,
     size: tuple[int, int] = (480, 640),
     fill: str = "",
     document: Any = None,

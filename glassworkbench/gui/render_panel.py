@@ -33,7 +33,7 @@ class RenderPanel:
         self._height = _side("height", preferences.number("Height", 640))
         self._tolerance = QtWidgets.QDoubleSpinBox(suffix=" %", decimals=2, minimum=0.01, maximum=50.0, singleStep=0.5)
         self._tolerance.setObjectName("tolerance")
-        self._tolerance.setValue(100.0 * preferences.number("Tolerance", 0.01))
+        self._tolerance.setValue(100.0 * preferences.number("Tolerance", 0.02))
         self._tolerance.setToolTip(translate("Glass_Render", "Accepted error, as a part of white: less takes longer"))
 
         self.form = QtWidgets.QWidget()

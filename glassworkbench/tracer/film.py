@@ -2,7 +2,39 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
+
+SAMPLES = (1, 4, 16, 64, 256, 1024)
+"""How many samples a pixel may hold: powers of four fill the strata of the sampling sequence."""
+
+FEW_SAMPLES = 4
+"""Up to here a pixel's neighbours are asked, too, whether an edge may run through it."""
+
+DEEPEST = 4
+"""How often a pixel's cut-off may be made smaller."""
+
+
+@dataclass(frozen=True, eq=False)
+class Work:
+    """Pixels that hold equally many samples at the same cut-off, and how many they shall hold.
+
+    Parameters
+    ----------
+    pixels : int64 array (n,)
+    samples : int
+        How many afterwards.
+    depth : int
+        How often the cut-off was made smaller for them.
+    afresh : bool
+        Whether they start again from no samples, since their cut-off changed.
+    """
+
+    pixels: np.ndarray
+    samples: int
+    depth: int
+    afresh: bool
 
 
 class Film:
@@ -21,6 +53,8 @@ class Film:
         Sum of the samples' bounds on what was left out.
     depth_mm : array (pixels,)
     samples : int64 array (pixels,)
+    depth : int64 array (pixels,)
+        How often the pixel's cut-off was made smaller.
     rays, crossings, leaks : int
     """
 
@@ -33,6 +67,7 @@ class Film:
         self.bound = np.zeros(pixels)
         self.depth_mm = np.full(pixels, np.inf)
         self.samples = np.zeros(pixels, dtype=np.int64)
+        self.depth = np.zeros(pixels, dtype=np.int64)
         self.rays = self.crossings = self.leaks = 0
 
     def add_totals(self, rays: int, crossings: int, leaks: int) -> None:
@@ -64,8 +99,40 @@ class Film:
         height = np.where(self.samples <= FEW_SAMPLES, around, own)
         return 0.5 * height * np.maximum(self.samples, 1) ** -0.75
 
+    def work(self, tolerance: float) -> list[Work]:
+        """Return what to trace next so that each pixel's error comes below the tolerance; empty when done.
 
-FEW_SAMPLES = 4
+        Half of the tolerance is for what is left out: a pixel that exceeds it starts again with a smaller cut-off while
+        it is cheap, that is, while it holds few samples. The rest is for sampling.
+        """
+        if self.rays == 0:
+            return [Work(np.arange(self.samples.size), SAMPLES[0], 0, False)]
+        pruned = self.pruned()
+        deeper = (pruned > 0.5 * tolerance) & (self.depth < DEEPEST) & (self.samples <= SAMPLES[2])
+        finer = (self.sampling() > np.maximum(tolerance - pruned, 0.5 * tolerance)) & (self.samples < SAMPLES[-1])
+        groups = []
+        for afresh, chosen in ((True, deeper), (False, finer & ~deeper)):
+            for samples in SAMPLES:
+                for depth in range(DEEPEST + 1):
+                    pixels = np.flatnonzero(chosen & (self.samples == samples) & (self.depth == depth))
+                    if len(pixels) == 0:
+                        continue
+                    if afresh:
+                        groups.append(Work(pixels, samples, depth + 1, True))
+                    else:
+                        groups.append(Work(pixels, SAMPLES[SAMPLES.index(samples) + 1], depth, False))
+        return groups
+
+    def prepare(self, work: Work) -> None:
+        """Forget the samples of pixels that start again."""
+        if not work.afresh:
+            return
+        pixels = work.pixels
+        self.sum[pixels] = 0.0
+        self.low[pixels], self.high[pixels] = np.inf, -np.inf
+        self.bound[pixels] = 0.0
+        self.samples[pixels] = 0
+        self.depth[pixels] = work.depth
 
 
 def _dilated(values: np.ndarray, combine: np.ufunc) -> np.ndarray:

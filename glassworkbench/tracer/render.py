@@ -19,11 +19,13 @@ from glassworkbench.tracer.film import Film
 from glassworkbench.tracer.plan import Plan, plan
 from glassworkbench.tracer.reference_film import ReferenceScene
 
-DEFAULT_TOLERANCE = 0.01
+DEFAULT_TOLERANCE = 0.02
 TIMED_TOLERANCE = 0.001
 """What is aimed at where the user gives a time instead of a tolerance."""
 
-SAMPLES_OF_PASS = (1, 4, 16, 64, 256, 1024)
+CUTOFF_STEP = 0.25
+"""How much smaller the cut-off becomes where too much was left out."""
+
 BATCH_SECONDS = 0.1
 """Length of one call into the core: how often progress is told."""
 
@@ -46,7 +48,7 @@ def render(
     scene : Scene
     tolerance : float, optional
         Accepted error of a pixel's radiance (a plain panel of radiance 1 is white). Sampling goes on where the
-        estimate lies above it. 0.01 where not given, 0.001 where `seconds` is given instead.
+        estimate lies above it. 0.02 where not given, 0.001 where `seconds` is given instead.
     seconds : float, optional
         Stop refining once this time is over; the first pass is always finished.
     threads : int, optional
@@ -91,28 +93,30 @@ def render(
         return _image(scene, film, chosen, threads, set_up_seconds, time.perf_counter() - started)
 
     meter = _Meter(progress)
-    pixels = np.arange(film.samples.size)
-    for number, samples in enumerate(SAMPLES_OF_PASS):
-        meter.expect(len(pixels), number)
-        for batch in _batches(pixels):
-            if number > 0 and time.perf_counter() > deadline:
-                break
-            cancel.check()
-            engine.sample(
-                film,
-                batch,
-                samples,
-                cutoff=chosen.cutoff,
-                absorption=chosen.is_on("absorption"),
-                threads=threads,
-                cancel=cancel,
-            )
-            meter.advance(len(batch))
-        pixels = np.flatnonzero((film.sampling() > tolerance) & (film.samples == samples))
-        if len(pixels) == 0 or time.perf_counter() > deadline or samples == SAMPLES_OF_PASS[-1]:
+    while True:
+        work = film.work(tolerance)
+        if len(work) == 0 or (film.rays > 0 and time.perf_counter() > deadline):
             break
-        if on_pass is not None:
+        if film.rays > 0 and on_pass is not None:
             on_pass(image())
+        first_pass = film.rays == 0
+        meter.expect(sum(len(part.pixels) for part in work))
+        for part in work:
+            film.prepare(part)
+            for batch in _batches(part.pixels):
+                if not first_pass and time.perf_counter() > deadline:
+                    break
+                cancel.check()
+                engine.sample(
+                    film,
+                    batch,
+                    part.samples,
+                    cutoff=chosen.cutoff * CUTOFF_STEP**part.depth,
+                    absorption=chosen.is_on("absorption"),
+                    threads=threads,
+                    cancel=cancel,
+                )
+                meter.advance(len(batch))
     meter.finish()
     return image()
 
@@ -151,10 +155,9 @@ class _Meter:
         self._pass_share = 0.0
         self._pixels = self._done = 0
 
-    def expect(self, pixels: int, number: int) -> None:
+    def expect(self, pixels: int) -> None:
         self._base = self._shown
-        remaining = len(SAMPLES_OF_PASS) - number
-        self._pass_share = (1.0 - self._base) * (1.0 if remaining == 1 else 0.5)
+        self._pass_share = 0.5 * (1.0 - self._base)
         self._pixels, self._done = pixels, 0
 
     def advance(self, pixels: int) -> None:
