@@ -96,7 +96,7 @@ def test_a_closed_shell_is_taken_as_a_solid(write):
 
 def test_several_solids(write):
     boxes = [Part.makeBox(10, 10, 30), Part.makeBox(10, 10, 30, FreeCAD.Vector(50, 0, 0))]
-    assert "2 solids" in refusal(write(Part.makeCompound(boxes)))
+    assert "2 solids" in refusal(write(Part.Compound(boxes)))
 
 
 def test_a_mold_without_a_finish(write):
@@ -131,7 +131,7 @@ def test_an_impossible_axis(axis):
 
 def test_inspect_tells_faults_instead_of_refusing(write):
     boxes = [Part.makeBox(10, 10, 30), Part.makeBox(10, 10, 30, FreeCAD.Vector(50, 0, 0))]
-    found = inspect(write(Part.makeCompound(boxes)))
+    found = inspect(write(Part.Compound(boxes)))
     assert found["solids"] == 2
     assert "2 solids" in found["faults"][0]
     assert found["axis"] is None
