@@ -11,6 +11,7 @@ import re
 import subprocess
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -46,11 +47,13 @@ class Result:
 
 def main() -> int:
     """Test every release and return 0 if no test failed anywhere."""
-    results = []
-    for release, root in (("bookworm", Path("/")), ("trixie", CACHE / "trixie"), ("forky", CACHE / "forky")):
+    roots = {"bookworm": Path("/"), "trixie": CACHE / "trixie", "forky": CACHE / "forky"}
+    for release, root in roots.items():
         if release != "bookworm":
             install(release, root)
-        results.append(test(release, root))
+    # Tests run on one core mostly.
+    with ThreadPoolExecutor(max_workers=2) as pool:
+        results = list(pool.map(test, roots, roots.values()))
     write_table(results)
     return int(any(result.counts.get(word) for result in results for word in ("failed", "error", "errors")))
 
@@ -103,7 +106,7 @@ def inside(root: Path, line: str) -> str:
     with subprocess.Popen(whole, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True) as process:
         lines = []
         for text in process.stdout:
-            print(text, end="", flush=True)
+            print(f"{root.name or 'bookworm'}: {text}", end="", flush=True)
             lines.append(text)
     if process.returncode != 0:
         sys.exit(f"compat: failed in {root}: {line}")

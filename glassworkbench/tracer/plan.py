@@ -17,6 +17,9 @@ EFFECTS = ("absorption",)
 PRUNED_SHARE = 0.2
 """The cut-off as a share of the tolerance: a ray leaves out some three times the cut-off (measured on bottles)."""
 
+LARGEST_CUTOFF = 0.1
+"""A first glance should still show a reflection of a tenth."""
+
 NEGLIGIBLE_SHARE = 0.1
 """An effect is left out if all it can change is this share of the tolerance."""
 
@@ -76,7 +79,7 @@ def plan(scene: Scene, tolerance: float, overrule: Mapping[str, bool] | None = N
             raise unknown_name("effect", name, EFFECTS)
     brightest = max(scene.brightest(), 1e-300)
     effects = (_absorption(scene, tolerance, overrule.get("absorption")),)
-    return Plan(tolerance, min(PRUNED_SHARE * tolerance / brightest, 0.1), effects)
+    return Plan(tolerance, min(PRUNED_SHARE * tolerance / brightest, LARGEST_CUTOFF), effects)
 
 
 def _absorption(scene: Scene, tolerance: float, wish: bool | None) -> Effect:

@@ -16,12 +16,15 @@ from glassworkbench.scene.validate import positive
 from glassworkbench.tracer import native
 from glassworkbench.tracer.control import Cancel
 from glassworkbench.tracer.film import Film
-from glassworkbench.tracer.plan import Plan, plan
+from glassworkbench.tracer.plan import LARGEST_CUTOFF, Plan, plan
 from glassworkbench.tracer.reference_film import ReferenceScene
 
 DEFAULT_TOLERANCE = 0.02
 TIMED_TOLERANCE = 0.001
 """What is aimed at where the user gives a time instead of a tolerance."""
+
+COARSEST_TARGET = 0.25
+"""The error that a timed rendering brings every pixel below before it goes on to a quarter of it."""
 
 CUTOFF_STEP = 0.25
 """How much smaller the cut-off becomes where too much was left out."""
@@ -93,8 +96,14 @@ def render(
         return _image(scene, film, chosen, threads, set_up_seconds, time.perf_counter() - started)
 
     meter = _Meter(progress)
+    # Against the clock, coarse errors go first everywhere; else nothing is done twice.
+    target = tolerance if seconds is None else max(tolerance, COARSEST_TARGET)
+    cutoff = min(chosen.cutoff * target / tolerance, LARGEST_CUTOFF)
     while True:
-        work = film.work(tolerance)
+        work = film.work(target)
+        while not work and target > tolerance:
+            target = max(tolerance, 0.25 * target)
+            work = film.work(target)
         if len(work) == 0 or (film.rays > 0 and time.perf_counter() > deadline):
             break
         if film.rays > 0 and on_pass is not None:
@@ -111,7 +120,7 @@ def render(
                     film,
                     batch,
                     part.samples,
-                    cutoff=chosen.cutoff * CUTOFF_STEP**part.depth,
+                    cutoff=cutoff * CUTOFF_STEP**part.depth,
                     absorption=chosen.is_on("absorption"),
                     threads=threads,
                     cancel=cancel,
