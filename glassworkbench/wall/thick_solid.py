@@ -35,7 +35,7 @@ def thick_solid(outer: Part.Shape, finish_face: int, thickness_mm: float) -> lis
     Raises
     ------
     GlassWorkbenchError
-        If none of OCC's ways gives a closed, valid cavity inside the outer solid; the message says why each fell.
+        If none of OCC's ways gives a closed, valid cavity inside the outer solid; the message says why.
 
     Notes
     -----
@@ -45,8 +45,8 @@ def thick_solid(outer: Part.Shape, finish_face: int, thickness_mm: float) -> lis
     height = outer.Faces[finish_face - 1].CenterOfMass.z
     outer_volume = _volume(outer)
     reasons = []
-    for name, walls in _wall_faces(outer, finish_face):
-        for join_name, join in (("arc", ARC), ("intersection", INTERSECTION)):
+    for walls in _wall_faces(outer, finish_face):
+        for join in (ARC, INTERSECTION):
             try:
                 past_mouth = _cavity(walls, height, thickness_mm, join)
                 cavity = _below(past_mouth, height)
@@ -54,8 +54,8 @@ def thick_solid(outer: Part.Shape, finish_face: int, thickness_mm: float) -> lis
                 return [_hollow(outer, cavity, past_mouth, finish_face), cavity, past_mouth]
             # OCC raises errors of many kinds, which derive from Exception only.
             except Exception as error:
-                reasons.append(f"{name}, {join_name}: {str(error).strip() or type(error).__name__}")
-    raise GlassWorkbenchError("; ".join(reasons))
+                reasons.append(str(error).strip() or type(error).__name__)
+    raise GlassWorkbenchError(", or ".join(dict.fromkeys(reasons)))
 
 
 def _hollow(outer: Part.Shape, cavity: Part.Shape, past_mouth: Part.Shape, finish_face: int) -> Part.Shape:
@@ -69,7 +69,7 @@ def _hollow(outer: Part.Shape, cavity: Part.Shape, past_mouth: Part.Shape, finis
         return rest.Solids[0]
 
 
-def _wall_faces(outer: Part.Shape, finish_face: int) -> Iterator[tuple[str, list[Part.Face]]]:
+def _wall_faces(outer: Part.Shape, finish_face: int) -> Iterator[list[Part.Face]]:
     """Yield the faces with a wall behind them: first without the lip's rounding, so that the bore runs straight."""
     finish = outer.Faces[finish_face - 1]
     height = finish.CenterOfMass.z
@@ -81,8 +81,8 @@ def _wall_faces(outer: Part.Shape, finish_face: int) -> Iterator[tuple[str, list
         if any(edge.hashCode() in edges for edge in face.Edges) and _lowest(face) > height - LIP_HEIGHT_MM
     ]
     if lip:
-        yield "without the lip", [face for face in rest if not any(face.isSame(other) for other in lip)]
-    yield "whole", rest
+        yield [face for face in rest if not any(face.isSame(other) for other in lip)]
+    yield rest
 
 
 def _lowest(face: Part.Face) -> float:
@@ -134,7 +134,11 @@ def _below(solid: Part.Shape, height: float) -> Part.Shape:
 def _check(cavity: Part.Shape, outer_volume: float) -> None:
     if not cavity.isValid() or not cavity.Shells[0].isClosed():
         raise GlassWorkbenchError("the cavity is not a valid closed solid")
-    cavity.check(True)
+    try:
+        cavity.check(True)
+    except ValueError as error:
+        crosses = "SelfIntersect" in str(error)
+        raise GlassWorkbenchError(f"the offset surface {'crosses itself' if crosses else 'is faulty'}") from error
     volume = _volume(cavity)
     if not 0.0 < volume < outer_volume:
         raise GlassWorkbenchError("the cavity is not inside the mold")
