@@ -64,7 +64,7 @@ def find_standing(
     Raises
     ------
     InputError
-        If no planar face lies across any axis at the solid's end.
+        If no planar face lies across any axis at the solid's end, or the axis does not meet the solid at all.
     """
     for direction, point in axis_lines(solid, vertices_mm, triangles, axis=axis, up=up):
         line = Standing(direction, point, 0)
@@ -80,7 +80,7 @@ def find_standing(
             return _finish_end(ends, solid, vertices_mm, triangles)
     raise InputError(
         "finish: no flat face closes the shape at the end of its axis, so the mouth cannot be found; "
-        "cut the shape flat where the mouth is, or give finish_height_mm"
+        "cut the shape flat where the mouth is, or name the finish's height (--finish-height, finish_height_mm=)"
     )
 
 
@@ -117,11 +117,15 @@ def _open_end(vertices_mm: np.ndarray, triangles: np.ndarray, line: Standing) ->
     """Return the line, pointing to the mouth, of a container that is already hollow; None for a full one."""
     upright = to_upright(vertices_mm, line)
     crossings = crossings_on_axis(upright, triangles)
+    if len(crossings) == 0:
+        raise InputError(
+            "base: its axis runs through air from end to end, as in a ring or a tube, "
+            "so it has neither base nor mouth; give the outer shape of a container"
+        )
     height = upright[:, 2].max()
     if len(crossings) % 2 or np.sum(crossings[1::2] - crossings[::2]) > HOLLOW_SHARE * height:
         return None
-    middle = crossings.mean() if len(crossings) else 0.0
-    return line if middle < 0.5 * height else dataclasses.replace(line, axis=-line.axis)
+    return line if crossings.mean() < 0.5 * height else dataclasses.replace(line, axis=-line.axis)
 
 
 def _turned_lines(solid: Part.Shape, size: float) -> list[tuple[np.ndarray, np.ndarray]]:
