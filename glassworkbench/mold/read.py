@@ -17,7 +17,9 @@ STEP_ENDINGS = (".step", ".stp")
 ENDINGS = (*STEP_ENDINGS, ".iges", ".igs", ".brep", ".brp", ".fcstd")
 
 
-def read_shape(path: str | os.PathLike, *, scale_to_mm: float | None = None) -> Part.Shape:
+def read_shape(
+    path: str | os.PathLike, *, scale_to_mm: float | None = None, made_container: bool = False
+) -> Part.Shape:
     """Return what a CAD file holds as one shape, in mm.
 
     Parameters
@@ -26,6 +28,8 @@ def read_shape(path: str | os.PathLike, *, scale_to_mm: float | None = None) -> 
         STEP, IGES, BREP or FCStd. A STEP file's units are honoured.
     scale_to_mm : float, optional
         Multiplies every length, for a file whose declared unit is wrong.
+    made_container : bool
+        Of an FCStd document in which this workbench made a container, return that, rather than the mold it is made of.
 
     Raises
     ------
@@ -36,7 +40,7 @@ def read_shape(path: str | os.PathLike, *, scale_to_mm: float | None = None) -> 
     _check_file(path)
     try:
         with silenced_output():
-            shape = _read_document(path) if path.suffix.lower() == ".fcstd" else Part.read(str(path))
+            shape = _read_document(path, made_container) if path.suffix.lower() == ".fcstd" else Part.read(str(path))
             empty = shape.isNull() or not shape.Faces
     except (Part.OCCError, OSError, RuntimeError, ValueError) as error:
         raise InputError(f"{path}: it cannot be read as a CAD file; it is damaged or of another kind") from error
@@ -76,17 +80,29 @@ def _check_file(path: Path) -> None:
             raise InputError(f"{path}: the STEP file is cut short (its last line is missing); export or copy it again")
 
 
-def _read_document(path: Path) -> Part.Shape:
+def _read_document(path: Path, made_container: bool) -> Part.Shape:
     document = FreeCAD.openDocument(str(path), True)
     try:
-        tops = [
-            item.Shape.copy()
-            for item in document.Objects
-            if item.isDerivedFrom("Part::Feature") and not item.InList and item.Shape.Faces
-        ]
+        items = [item for item in document.Objects if _has_faces(item)]
+        # Groups and pictures refer to a solid, too, but only what has a shape of its own is made of it.
+        tops = [item for item in items if not any(_has_faces(user) for user in item.InList)]
+        tops = [item for item in tops if item.Shape.Solids] or tops
+        if not made_container:
+            tops = list({item.Name: item for item in map(_mold_of, tops)}.values())
+        shapes = [item.Shape.copy() for item in tops]
     finally:
         FreeCAD.closeDocument(document.Name)
-    return tops[0] if len(tops) == 1 else Part.makeCompound(tops)
+    return shapes[0] if len(shapes) == 1 else Part.Compound(shapes)
+
+
+def _has_faces(item: FreeCAD.DocumentObject) -> bool:
+    return item.isDerivedFrom("Part::Feature") and bool(item.Shape.Faces)
+
+
+def _mold_of(item: FreeCAD.DocumentObject) -> FreeCAD.DocumentObject:
+    """Return the solid that a container of this workbench is the hollow form of; of anything else, the item itself."""
+    made_here = {"Source", "WallThickness", "MethodUsed"} <= set(item.PropertiesList)
+    return item.Source if made_here and item.Source is not None else item
 
 
 @contextlib.contextmanager
