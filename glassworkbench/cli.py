@@ -22,7 +22,7 @@ from glassworkbench.errors import Cancelled, GlassWorkbenchError, InputError
 from glassworkbench.glass import catalogue, fillings, find_glass
 from glassworkbench.images import IMAGE_ENDINGS, Image
 from glassworkbench.output import check_writable, written_aside
-from glassworkbench.scene import Revolved, Scene, Surface
+from glassworkbench.scene import ContainerGeometry, Revolved, Scene, Surface
 from glassworkbench.scene.file import read_scene
 from glassworkbench.settings import unknown_name
 from glassworkbench.staging import check_station, parse_fill, sample_container, station, stations
@@ -207,11 +207,20 @@ def _container(options: argparse.Namespace, **limits: float | None) -> object:
     return hollow(mold, thickness, method=options.method or "auto", **limits)
 
 
+def _container_as_it_is(options: argparse.Namespace) -> ContainerGeometry:
+    for name in ("method", "outer_shell"):
+        if getattr(options, name):
+            raise InputError(f"--{name.replace('_', '-')}: is for hollowing; give --wall, too, or leave the option out")
+    from glassworkbench.wall import read_container
+
+    return read_container(options.mold, scale_to_mm=options.scale)
+
+
 # render
 
 
 def _prepare_render(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("mold", metavar="INPUT", help="a mold (STEP, IGES, BREP, FCStd) or a scene file (.toml)")
+    parser.add_argument("mold", metavar="INPUT", help="mold or container (STEP, IGES, BREP, FCStd), or scene (.toml)")
     parser.add_argument(
         "-o",
         "--output",
@@ -289,11 +298,9 @@ def _scene(options: argparse.Namespace) -> Scene:
     fill = parse_fill(options.fill) if options.fill else None
     view = options.station or "studio"
     check_station(view)
-    if options.wall is None:
-        raise InputError(f"--wall: is missing; say how thick the wall of {options.mold} shall be, as --wall 3")
-    geometry = _container(options).geometry()
+    geometry = _container_as_it_is(options) if options.wall is None else _container(options).geometry()
     scene = station(view, geometry, glass, fill, options.size or (480, 640))
-    told = {"mold": Path(options.mold).name, "wall": options.wall}
+    told = {"mold": Path(options.mold).name, "wall": options.wall or "as it is"}
     return dataclasses.replace(scene, metadata=told | dict(scene.metadata))
 
 

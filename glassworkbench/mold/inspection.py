@@ -11,6 +11,7 @@ import numpy as np
 
 from glassworkbench.errors import InputError
 from glassworkbench.freecad import Part
+from glassworkbench.mold.anatomy import Anatomy
 from glassworkbench.mold.axis import Standing, find_standing, is_hollow, to_upright
 from glassworkbench.mold.measures import signed_volume
 from glassworkbench.mold.mold import mold_from_shape, outward, single_solid
@@ -51,8 +52,8 @@ def inspect(path: str | os.PathLike, *, scale_to_mm: float | None = None) -> dic
     -------
     dict
         path, sha256, unit, solids, `entities` (count by type, of a STEP file), `faces` (count by surface), `faults`
-        (sentences), and those of `UNKNOWN` that can be found. Of a container that is already hollow, axis, base and
-        heights are told, but no departure or regions.
+        (sentences), and those of `UNKNOWN` that can be found. Of a container that is already hollow they are those of
+        its outside; where its rim is rounded, so that nothing parts outside from inside, only axis, base and heights.
 
     Raises
     ------
@@ -77,14 +78,16 @@ def inspect(path: str | os.PathLike, *, scale_to_mm: float | None = None) -> dic
         found["mesh_volume_mm3"] = signed_volume(vertices, triangles)
         standing = find_standing(solid, vertices, triangles)
         found["hollow"] = is_hollow(standing, vertices, triangles)
-        found |= _hollow_container(standing, vertices) if found["hollow"] else _full_mold(solid, path.stem)
+        if found["hollow"]:
+            found |= _hollow_container(solid, standing, vertices)
+        else:
+            found |= _full_mold(mold_from_shape(solid, path.stem).anatomy)
     except InputError as error:
         found["faults"].append(str(error))
     return found
 
 
-def _full_mold(solid: Part.Shape, name: str) -> dict:
-    anatomy = mold_from_shape(solid, name).anatomy
+def _full_mold(anatomy: Anatomy) -> dict:
     return {
         "axis": anatomy.axis.tolist(),
         "base_point_mm": anatomy.base_point_mm.tolist(),
@@ -99,7 +102,15 @@ def _full_mold(solid: Part.Shape, name: str) -> dict:
     }
 
 
-def _hollow_container(standing: Standing, vertices_mm: np.ndarray) -> dict:
+def _hollow_container(solid: Part.Shape, standing: Standing, vertices_mm: np.ndarray) -> dict:
+    rim = {"finish_face": standing.finish_face or None}
+    try:
+        return _full_mold(mold_from_shape(solid, "", outer_shell=True).anatomy) | rim
+    except InputError:
+        return _heights(standing, vertices_mm) | rim
+
+
+def _heights(standing: Standing, vertices_mm: np.ndarray) -> dict:
     heights = (vertices_mm - standing.point_mm) @ standing.axis
     upright = to_upright(vertices_mm, standing)
     near_rim = upright[:, 2] > 0.98 * upright[:, 2].max()
@@ -109,7 +120,6 @@ def _hollow_container(standing: Standing, vertices_mm: np.ndarray) -> dict:
         "height_mm": float(np.ptp(heights)),
         "finish_height_mm": float(np.ptp(heights)),
         "finish_outer_radius_mm": float(np.hypot(*upright[near_rim, :2].T).max()),
-        "finish_face": standing.finish_face or None,
     }
 
 

@@ -152,7 +152,8 @@ def _mold(
     if is_hollow(standing, vertices, triangles):
         if not outer_shell:
             raise InputError(
-                "it is already hollow; use it as a container, or pass outer_shell=True for its outer shape"
+                "it is already hollow; leave the wall (--wall) away to render it as it is, "
+                "or take its outside as the mold (--outer-shell, outer_shell=True) to hollow that anew"
             )
         solid, vertices, triangles = outward(outer_shape(solid, standing.finish_face))
         standing = find_standing(solid, vertices, triangles, up=standing.axis)

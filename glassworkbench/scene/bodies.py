@@ -225,7 +225,9 @@ class ContainerGeometry:
 
     Parameters
     ----------
-    outer, cavity : Surface
+    outer : Surface
+    cavity : Surface or None
+        None where the outer surface bounds the glass all around, inside too: nothing then says what it could hold.
     low_mm, high_mm : array (3,)
         Corners of the outer surface's bounding box.
     finish_height_mm : float
@@ -233,7 +235,7 @@ class ContainerGeometry:
     """
 
     outer: Surface
-    cavity: Surface
+    cavity: Surface | None
     low_mm: np.ndarray
     high_mm: np.ndarray
     finish_height_mm: float

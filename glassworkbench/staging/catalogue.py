@@ -65,7 +65,7 @@ def station(
     lights, camera = _VIEWS[name](geometry, size, **_settings(name)["parameters"])
     return Scene(
         bodies=bodies(geometry, fill),
-        media=media(glass, fill),
+        media=media(geometry, glass, fill),
         lights=lights,
         camera=camera,
         size=size,

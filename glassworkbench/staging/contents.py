@@ -54,14 +54,22 @@ def parse_fill(text: str) -> Fill:
 
 
 def bodies(geometry: ContainerGeometry, fill: Fill | None) -> tuple[Body, ...]:
-    """Return the bodies outer, cavity and, if there is a `fill`, fill.
+    """Return the bodies outer, cavity (if it has one) and, if there is a `fill`, fill.
 
     Raises
     ------
     InputError
-        If the level does not lie below the finish.
+        If the level does not lie below the finish, or there is no cavity to fill.
     """
-    container = (Body("outer", geometry.outer), Body("cavity", geometry.cavity))
+    outer = Body("outer", geometry.outer)
+    if geometry.cavity is None:
+        if fill is not None:
+            raise InputError(
+                f"fill {fill}: the container's rim is rounded, so its inside is not known; leave the filling away, "
+                "or make the container of its mold"
+            )
+        return (outer,)
+    container = (outer, Body("cavity", geometry.cavity))
     if fill is None:
         return container
     level = USUAL_LEVEL * geometry.finish_height_mm if fill.level_mm is None else fill.level_mm
@@ -72,9 +80,10 @@ def bodies(geometry: ContainerGeometry, fill: Fill | None) -> tuple[Body, ...]:
     return (*container, Body("fill", _cylinder_around(geometry, level)))
 
 
-def media(glass: Glass, fill: Fill | None) -> tuple[Medium, ...]:
+def media(geometry: ContainerGeometry, glass: Glass, fill: Fill | None) -> tuple[Medium, ...]:
     """Return the glass, and the liquid where the cavity holds it."""
-    wall = Medium("outer and not cavity", glass.refractive_index, glass.absorption_per_mm)
+    where = "outer" if geometry.cavity is None else "outer and not cavity"
+    wall = Medium(where, glass.refractive_index, glass.absorption_per_mm)
     if fill is None:
         return (wall,)
     return (wall, Medium("cavity and fill", fill.liquid.refractive_index, fill.liquid.absorption_per_mm))

@@ -1,7 +1,8 @@
-"""From a mold and a thickness to a hollow container, measured."""
+"""From a mold and a thickness to a hollow container, measured; and containers that are hollow already."""
 
 from glassworkbench.wall.choose import METHODS, hollow
 from glassworkbench.wall.container import Container, WallReport
+from glassworkbench.wall.existing import container_from_shape, read_container
 from glassworkbench.wall.thickness import (
     RegionalThickness,
     TabulatedThickness,
@@ -18,6 +19,8 @@ __all__ = [
     "Thickness",
     "UniformThickness",
     "WallReport",
+    "container_from_shape",
     "hollow",
     "parse_thickness",
+    "read_container",
 ]

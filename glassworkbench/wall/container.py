@@ -140,15 +140,7 @@ class Container:
 
     def geometry(self) -> ContainerGeometry:
         """Return the container as a station takes it: upright, on surfaces that the tracer knows."""
-        anatomy = self.mold.anatomy
-        outer = Revolved(outer_meridian(self.mold)) if anatomy.is_revolved else fine_mesh(self.mold.upright)
-        if isinstance(outer, Mesh):
-            low, high = outer.vertices_mm.min(axis=0), outer.vertices_mm.max(axis=0)
-        else:
-            radius = anatomy.maximum_radius_mm
-            low, high = np.array([-radius, -radius, 0.0]), np.array([radius, radius, anatomy.height_mm])
-        cavity: Surface = self.cavity if isinstance(self.cavity, Revolved) else fine_mesh(self.cavity)
-        return ContainerGeometry(outer, cavity, low, high, anatomy.finish_height_mm)
+        return geometry_within(self.mold, self.cavity if isinstance(self.cavity, Revolved) else fine_mesh(self.cavity))
 
     def save(self, path: str | Path) -> None:
         """Write the solid as STEP, BREP, FCStd or STL, by the path's ending.
@@ -166,6 +158,18 @@ class Container:
                 _write(self.solid, self.mold.name, aside)
             except Exception as error:
                 raise GlassWorkbenchError(f"{path}: could not be written ({error})") from error
+
+
+def geometry_within(mold: Mold, cavity: Surface) -> ContainerGeometry:
+    """Return a container by its outer shape and its cavity (upright), as a station takes it."""
+    anatomy = mold.anatomy
+    outer = Revolved(outer_meridian(mold)) if anatomy.is_revolved else fine_mesh(mold.upright)
+    if isinstance(outer, Mesh):
+        low, high = outer.vertices_mm.min(axis=0), outer.vertices_mm.max(axis=0)
+    else:
+        radius = anatomy.maximum_radius_mm
+        low, high = np.array([-radius, -radius, 0.0]), np.array([radius, radius, anatomy.height_mm])
+    return ContainerGeometry(outer, cavity, low, high, anatomy.finish_height_mm)
 
 
 def fine_mesh(shape: Part.Shape) -> Mesh:

@@ -1,0 +1,80 @@
+"""A container that is already hollow, as its file has it."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+
+from glassworkbench.errors import InputError
+from glassworkbench.freecad import Part
+from glassworkbench.mold.axis import Standing, find_standing, is_hollow
+from glassworkbench.mold.meridian import chain, face_profiles
+from glassworkbench.mold.mold import mold_from_shape, moved, outward, placement_of, single_solid
+from glassworkbench.mold.outer_shape import cavity_shape
+from glassworkbench.mold.read import read_shape
+from glassworkbench.scene import ContainerGeometry, Mesh, Revolved, Surface
+from glassworkbench.wall.container import fine_mesh, geometry_within
+from glassworkbench.wall.revolved import PAST_MOUTH_MM
+
+
+def read_container(path: str | os.PathLike, *, scale_to_mm: float | None = None) -> ContainerGeometry:
+    """Return the hollow container in a CAD file as a station takes it.
+
+    Parameters
+    ----------
+    path : path
+        STEP, IGES, BREP or FCStd file with one closed, hollow solid: the glass.
+    scale_to_mm : float, optional
+        Multiplies every length, for a file whose declared unit is wrong.
+
+    Returns
+    -------
+    ContainerGeometry
+        Exact where the container is one of revolution. It has no cavity where the rim is rounded, as nothing then
+        parts the inside from the outside.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, does not hold exactly one closed solid, or that is a mold, full inside.
+    """
+    shape = read_shape(path, scale_to_mm=scale_to_mm, made_container=True)
+    try:
+        return container_from_shape(shape, Path(path).stem)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+
+
+def container_from_shape(shape: Part.Shape, name: str) -> ContainerGeometry:
+    """Return the container that a hollow shape (in mm) is, as a station takes it; see `read_container`."""
+    solid, vertices, triangles = outward(single_solid(shape))
+    standing = find_standing(solid, vertices, triangles)
+    if not is_hollow(standing, vertices, triangles):
+        raise InputError(
+            "it is a mold, full inside, and --wall is missing; say how thick the wall shall be, as --wall 3"
+        )
+    try:
+        mold = mold_from_shape(solid, name, outer_shell=True)
+        upright = moved(solid, np.linalg.inv(mold.placement))
+        cavity = cavity_shape(upright, standing.finish_face, PAST_MOUTH_MM)
+    except InputError:
+        return _glass_alone(solid, standing, vertices)
+    return geometry_within(mold, _surface(cavity))
+
+
+def _glass_alone(solid: Part.Shape, standing: Standing, vertices_mm: np.ndarray) -> ContainerGeometry:
+    upright = moved(solid, np.linalg.inv(placement_of(standing, vertices_mm)))
+    mesh = fine_mesh(upright)
+    low, high = mesh.vertices_mm.min(axis=0), mesh.vertices_mm.max(axis=0)
+    return ContainerGeometry(_surface(upright, mesh), None, low, high, float(high[2]))
+
+
+def _surface(upright: Part.Shape, mesh: Mesh | None = None) -> Surface:
+    """Return the surface of an upright solid: exact if all its faces are turned about the axis, else a mesh."""
+    profiles = face_profiles(upright.Faces)
+    meridian = chain(profiles) if all(profile is not None for profile in profiles) else None
+    if meridian is not None:
+        return Revolved(meridian)
+    return fine_mesh(upright) if mesh is None else mesh
