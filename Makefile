@@ -26,8 +26,9 @@ lint: setup .venv/ruff-$(RUFF_VERSION) ## Check the style of Python and C++
 	@find glassworkbench -name '*.cpp' -o -name '*.h' -o -name '*.hpp' | xargs clang-format --dry-run --Werror
 
 .venv/ruff-$(RUFF_VERSION):
+	@echo "lint: installing ruff $(RUFF_VERSION) into .venv"
 	@$(PYTHON) -m venv .venv
-	@.venv/bin/pip install --quiet --disable-pip-version-check ruff==$(RUFF_VERSION)
+	@.venv/bin/pip install --disable-pip-version-check ruff==$(RUFF_VERSION)
 	@touch $@
 
 bench: build ## Measure speed and accuracy
