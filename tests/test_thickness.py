@@ -137,6 +137,7 @@ def test_regions_left_out_blend_between_their_neighbours():
         ("", "empty"),
         ("0", "above 0"),
         ("-1", "above 0"),
+        ("0.001", "at least 0.01 mm"),
         ("nan", "finite"),
         ("inf", "finite"),
         ("three", "number"),

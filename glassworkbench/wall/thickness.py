@@ -26,6 +26,9 @@ INTERPOLATIONS = ("smooth", "linear")
 BLEND_SHARE = 0.25
 """A region hands over to its neighbour within this share of its own height."""
 
+THINNEST_MM = 0.01
+"""No wall of glass is thinner; whoever asks for less has probably taken another unit."""
+
 COVER_SLACK = 0.005
 """A table may end this share of the height short of the base or the finish; its end value holds there."""
 
@@ -393,6 +396,8 @@ def _thickness(value: object, field: str) -> float:
     number = finite(value, field)
     if number <= 0.0:
         raise InputError(f"{field}: must be above 0 mm, got {number:g}")
+    if number < THINNEST_MM:
+        raise InputError(f"{field}: must be at least {THINNEST_MM:g} mm, got {number:g}; lengths are in mm")
     return number
 
 
