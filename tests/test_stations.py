@@ -135,6 +135,8 @@ def test_an_impossible_fill_is_refused(fill, message):
 def test_stations_are_described_and_an_unknown_one_suggests_the_nearest():
     assert set(stations()) == {"studio", "sidewall"}
     assert all(stations().values())
+    with pytest.raises(InputError, match="0x10 pixels"):
+        station("studio", BOTTLE, "flint", size=(0, 10))
     with pytest.raises(InputError, match="did you mean 'sidewall'"):
         station("side_wall", BOTTLE, "flint")
     with pytest.raises(InputError, match="did you mean 'emerald'"):

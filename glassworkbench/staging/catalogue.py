@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import cache
 from types import MappingProxyType
 
+from glassworkbench.errors import InputError
 from glassworkbench.glass import Glass, find_glass
 from glassworkbench.scene import ContainerGeometry, Scene
 from glassworkbench.settings import RESOURCES, read_toml, unknown_name
@@ -57,9 +58,11 @@ def station(
     Raises
     ------
     InputError
-        If a name is not known, or the level lies outside the container.
+        If a name is not known, the level lies outside the container, or the size is impossible.
     """
     check_station(name)
+    if min(size) < 1:
+        raise InputError(f"image size: {size[0]}x{size[1]} pixels is impossible; each side is at least 1")
     glass = find_glass(glass) if isinstance(glass, str) else glass
     fill = parse_fill(fill) if isinstance(fill, str) else fill
     lights, camera = _VIEWS[name](geometry, size, **_settings(name)["parameters"])
