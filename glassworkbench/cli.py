@@ -7,11 +7,13 @@ import dataclasses
 import hashlib
 import json
 import math
+import os
 import re
 import signal
 import sys
 import time
 import traceback
+import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
@@ -24,12 +26,16 @@ from glassworkbench.images import IMAGE_ENDINGS, Image
 from glassworkbench.output import check_writable, written_aside
 from glassworkbench.scene import ContainerGeometry, Revolved, Scene, Surface
 from glassworkbench.scene.file import read_scene
+from glassworkbench.scene.scene import MAXIMUM_SIDE
 from glassworkbench.settings import unknown_name
 from glassworkbench.staging import check_station, parse_fill, sample_container, station, stations
 from glassworkbench.tracer import Cancel, render
 from glassworkbench.tracer.plan import EFFECTS
 
 DONE, FAILED, BAD_INPUT = 0, 1, 2
+
+MAXIMUM_PIXELS = 100_000_000
+"""More would take tens of gigabytes."""
 
 CONTAINER_ENDINGS = (".step", ".stp", ".brep", ".fcstd", ".stl")
 
@@ -51,7 +57,8 @@ def main(arguments: Sequence[str]) -> int:
     try:
         signal.signal(signal.SIGTERM, signal.default_int_handler)
         options = _parse(arguments)
-        options.run(options)
+        with _warnings_told(options.quiet):
+            options.run(options)
         sys.stdout.flush()
     except SystemExit as stop:
         # argparse leaves this way after --help and --version.
@@ -72,6 +79,19 @@ def _told(error: object, code: int, verbose: bool) -> int:
         traceback.print_exc()
     print("glassworkbench:", " ".join(str(error).split()), file=sys.stderr)
     return code
+
+
+@contextmanager
+def _warnings_told(quiet: bool) -> Iterator[None]:
+    """Show a warning as one sentence, without the line of Python that gave it."""
+
+    def tell(message: Warning | str, *_: object) -> None:
+        if not quiet:
+            print("glassworkbench:", " ".join(str(message).split()), file=sys.stderr)
+
+    with warnings.catch_warnings():
+        warnings.showwarning = tell
+        yield
 
 
 class _Parser(argparse.ArgumentParser):
@@ -123,13 +143,16 @@ def _parse(arguments: Sequence[str]) -> argparse.Namespace:
 
 def _prepare_inspect(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("mold", metavar="MOLD", help="STEP, IGES, BREP or FCStd file")
+    _add_mold_options(parser)
     parser.add_argument("--json", action="store_true", help="answer in JSON")
 
 
 def _inspect(options: argparse.Namespace) -> None:
+    _check_input(options.mold)
+    _check_positive(options, "scale", "finish_height")
     from glassworkbench.mold import inspect
 
-    found = inspect(options.mold)
+    found = inspect(options.mold, **_mold_options(options))
     print(_json(found) if options.json else "\n".join(_lines(found)))
 
 
@@ -149,7 +172,8 @@ def _short(value: object) -> str:
     if isinstance(value, bool) or value is None:
         return {True: "yes", False: "no", None: "unknown"}[value]
     if isinstance(value, float):
-        return f"{value:.0f}" if 1e5 <= abs(value) < 1e15 else f"{value:.6g}"
+        # Adding 0 makes zero of a minus zero, which rounding leaves of -1e-16.
+        return f"{value:.0f}" if 1e5 <= abs(value) < 1e15 else f"{round(value, 9) + 0.0:.6g}"
     return str(value)
 
 
@@ -160,7 +184,7 @@ def _prepare_hollow(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("mold", metavar="MOLD", help="STEP, IGES, BREP or FCStd file of the container's outer shape")
     _add_wall_options(parser, required=True)
     parser.add_argument("--tolerance", type=float, metavar="MM", help="how far the wall may be from what was asked")
-    parser.add_argument("--seconds", type=float, default=120.0, metavar="S", help="time limit (120)")
+    parser.add_argument("--seconds", type=float, default=120.0, metavar="S", help="time for all methods (120)")
     parser.add_argument(
         "-o", "--output", required=True, metavar="OUT", help="the ending decides: .step .brep .FCStd .stl"
     )
@@ -169,7 +193,8 @@ def _prepare_hollow(parser: argparse.ArgumentParser) -> None:
 
 def _hollow(options: argparse.Namespace) -> None:
     output = check_writable(options.output, CONTAINER_ENDINGS)
-    _check_report(options)
+    _check_files(options, [output])
+    _check_positive(options, "scale", "finish_height", "tolerance", "seconds")
     container = _container(options, tolerance_mm=options.tolerance, seconds=options.seconds)
     container.save(output)
     report = container.report.to_json() | {"input": _input(options.mold), "version": __version__}
@@ -192,8 +217,23 @@ def _add_wall_options(parser: argparse.ArgumentParser, required: bool) -> None:
         help="thickness in mm, as 3, or 'finish=2.5 body=2 base=5', or @wall.csv with height_mm,thickness_mm",
     )
     parser.add_argument("--method", metavar="M", help="how to hollow (auto)")
+    _add_mold_options(parser)
+
+
+def _add_mold_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--scale", type=float, metavar="F", help="multiply lengths, if the file's unit is wrong")
+    parser.add_argument(
+        "--finish-height", type=float, metavar="MM", help="the mouth's height above the base, where none is found"
+    )
     parser.add_argument("--outer-shell", action="store_true", help="take the outside of a hollow container as the mold")
+
+
+def _mold_options(options: argparse.Namespace) -> dict[str, object]:
+    return {
+        "scale_to_mm": options.scale,
+        "finish_height_mm": options.finish_height,
+        "outer_shell": options.outer_shell,
+    }
 
 
 def _container(options: argparse.Namespace, **limits: float | None) -> object:
@@ -203,12 +243,12 @@ def _container(options: argparse.Namespace, **limits: float | None) -> object:
     thickness = parse_thickness(options.wall)
     from glassworkbench.mold import read_mold
 
-    mold = read_mold(options.mold, scale_to_mm=options.scale, outer_shell=options.outer_shell)
+    mold = read_mold(options.mold, **_mold_options(options))
     return hollow(mold, thickness, method=options.method or "auto", **limits)
 
 
 def _container_as_it_is(options: argparse.Namespace) -> ContainerGeometry:
-    for name in ("method", "outer_shell"):
+    for name in ("method", "finish_height", "outer_shell"):
         if getattr(options, name):
             raise InputError(f"--{name.replace('_', '-')}: is for hollowing; give --wall, too, or leave the option out")
     from glassworkbench.wall import read_container
@@ -250,7 +290,12 @@ def _size(text: str) -> tuple[int, int]:
     found = re.fullmatch(r"(\d+)[xX](\d+)", text)
     if found is None:
         raise argparse.ArgumentTypeError(f"{text!r} is no size; write width and height, as 480x640")
-    return int(found[1]), int(found[2])
+    width, height = int(found[1]), int(found[2])
+    if not (0 < width <= MAXIMUM_SIDE and 0 < height <= MAXIMUM_SIDE and width * height <= MAXIMUM_PIXELS):
+        raise argparse.ArgumentTypeError(
+            f"{text} pixels is impossible; each side is 1 to {MAXIMUM_SIDE}, both together at most {MAXIMUM_PIXELS}"
+        )
+    return width, height
 
 
 def _effect(text: str) -> tuple[str, bool]:
@@ -265,11 +310,8 @@ def _effect(text: str) -> tuple[str, bool]:
 def _render(options: argparse.Namespace) -> None:
     started = time.perf_counter()
     outputs = [check_writable(path, IMAGE_ENDINGS) for path in options.output]
-    _check_report(options)
-    for name in ("tolerance", "seconds", "threads"):
-        value = getattr(options, name)
-        if value is not None and not 0 < value < math.inf:
-            raise InputError(f"--{name}: must be above 0, got {value:g}")
+    _check_files(options, outputs)
+    _check_positive(options, "scale", "finish_height", "tolerance", "seconds", "threads")
     if not abs(options.exposure) <= 100.0:
         raise InputError(f"--exposure: must lie between -100 and 100 stops, got {options.exposure:g}")
     everything = {"auto": {}, "all": dict.fromkeys(EFFECTS, True), "none": dict.fromkeys(EFFECTS, False)}
@@ -279,15 +321,18 @@ def _render(options: argparse.Namespace) -> None:
     for path in outputs:
         image.save(path, options.exposure)
     report = dict(image.report) | {"set_up_seconds": round(set_up_seconds, 3), "input": _input(options.mold)}
-    error = report["certificate"]["total_p99"]
-    names = ", ".join(map(str, outputs))
-    width, height = scene.size
-    _answer(options, report, f"{names}: {width}x{height}, {report['seconds']:.1f} s, 99 % of pixels within {error:.2g}")
+    _answer(options, report, f"{', '.join(map(str, outputs))}: {_told_of_image(report, options.seconds is None)}")
+
+
+def _told_of_image(report: Mapping, asked: bool) -> str:
+    (width, height), error = report["size"], report["certificate"]["total_p99"]
+    missed = f" (asked {report['tolerance']:g})" if asked and error > report["tolerance"] else ""
+    return f"{width}x{height}, {report['seconds']:.1f} s, 99 % of pixels within {error:.3g}{missed}"
 
 
 def _scene(options: argparse.Namespace) -> Scene:
     if Path(options.mold).suffix.lower() == ".toml":
-        for name in ("wall", "method", "scale", "outer_shell", "station", "glass", "fill"):
+        for name in ("wall", "method", "scale", "finish_height", "outer_shell", "station", "glass", "fill"):
             if getattr(options, name):
                 raise InputError(
                     f"--{name.replace('_', '-')}: the scene file {options.mold} says it; leave the option out"
@@ -346,7 +391,10 @@ def _bar(label: str, quiet: bool) -> Iterator[Callable[[float], None] | None]:
     except ImportError:
         yield None
         return
-    with tqdm(total=1.0, desc=label, leave=False, bar_format="{desc} {percentage:3.0f}% |{bar}| {elapsed}") as bar:
+    # A serial line or a container's console may not know its width.
+    width = os.get_terminal_size(sys.stderr.fileno()).columns or 80
+    form = "{desc} {percentage:3.0f}% |{bar}| {elapsed}"
+    with tqdm(total=1.0, desc=label, leave=False, ncols=width, bar_format=form) as bar:
         yield lambda share: bar.update(share - bar.n)
 
 
@@ -399,9 +447,30 @@ def _add_report_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="answer with that report")
 
 
-def _check_report(options: argparse.Namespace) -> None:
-    if options.report is not None:
-        check_writable(options.report)
+def _check_files(options: argparse.Namespace, outputs: Sequence[Path]) -> None:
+    """Check the input, and that nothing that is read, and no other output, would be overwritten."""
+    _check_input(options.mold)
+    outputs = list(outputs) if options.report is None else [*outputs, check_writable(options.report)]
+    read = [options.mold]
+    if (options.wall or "").startswith("@"):
+        read.append(options.wall[1:])
+    taken = {Path(path).resolve(): "it is read from, and would be overwritten" for path in read}
+    for path in outputs:
+        if path.resolve() in taken:
+            raise InputError(f"{path}: {taken[path.resolve()]}; name another file to write to")
+        taken[path.resolve()] = "two outputs have this name"
+
+
+def _check_input(path: str) -> None:
+    if Path(path).is_dir():
+        raise InputError(f"{path}: it is a folder; name a file in it")
+
+
+def _check_positive(options: argparse.Namespace, *names: str) -> None:
+    for name in names:
+        value = getattr(options, name)
+        if value is not None and not 0 < value < math.inf:
+            raise InputError(f"--{name.replace('_', '-')}: must be above 0, got {value:g}")
 
 
 def _answer(options: argparse.Namespace, report: Mapping, sentence: str) -> None:

@@ -1,5 +1,7 @@
+import dataclasses
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -10,8 +12,9 @@ import numpy as np
 import pytest
 
 from glassworkbench import __version__
-from glassworkbench.cli import main
+from glassworkbench.cli import _lines, main
 from glassworkbench.images import read_image
+from glassworkbench.tracer import render
 
 ROOT = Path(__file__).resolve().parent.parent
 PROGRAM = ROOT / "bin" / "glassworkbench"
@@ -129,6 +132,10 @@ SCENE = ["render", BALL, "-o", "{folder}/x.png"]
 HOLLOW = ["hollow", WINE_BOTTLE, "-o", "{folder}/x.step"]
 
 
+def in_folder(word, folder):
+    return word.replace("{folder}", str(folder)).replace("{name}", folder.name)
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -144,6 +151,15 @@ HOLLOW = ["hollow", WINE_BOTTLE, "-o", "{folder}/x.step"]
         ([*SCENE, "--wall", "3"], "--wall: the scene file"),
         ([*SCENE, "--size", "40"], "write width and height"),
         ([*SCENE, "--size", "0x40"], "0x40 pixels"),
+        ([*SCENE, "--size=-4x40"], "write width and height"),
+        ([*SCENE, "--size", "65536x65536"], "65536x65536 pixels"),
+        ([*MOLD, "--size", "0x0"], "0x0 pixels"),
+        ([*MOLD, "--size", "10x0"], "10x0 pixels"),
+        ([*SCENE, "-o", "{folder}/x.png"], "two outputs have this name"),
+        ([*SCENE, "-o", "{folder}/../{name}/x.png"], "two outputs have this name"),
+        ([*SCENE, "--report", "{folder}/x.png"], "two outputs have this name"),
+        (["render", "{folder}", "-o", "{folder}/x.png"], "it is a folder"),
+        ([*SCENE, "--finish-height", "30"], "--finish-height: the scene file"),
         ([*SCENE, "--tolerance", "0"], "--tolerance: must be above 0"),
         ([*SCENE, "--tolerance", "nan"], "--tolerance: must be above 0"),
         ([*SCENE, "--tolerance", "small"], "--tolerance"),
@@ -164,7 +180,7 @@ HOLLOW = ["hollow", WINE_BOTTLE, "-o", "{folder}/x.step"]
     ],
 )
 def test_bad_input_is_told_in_one_sentence_and_leaves_nothing(tmp_path, capsys, arguments, message):
-    assert main([word.replace("{folder}", str(tmp_path)) for word in arguments]) == 2
+    assert main([in_folder(word, tmp_path) for word in arguments]) == 2
     assert message in told(capsys)
     assert list(tmp_path.iterdir()) == []
 
@@ -184,15 +200,119 @@ def test_bad_input_is_told_in_one_sentence_and_leaves_nothing(tmp_path, capsys, 
         (["render", "{folder}/missing.step", "--wall", "3", "-o", "{folder}/x.png"], "there is no such file"),
         (["render", WINE_BOTTLE, "--wall", "nan", "-o", "{folder}/x.png"], "finite"),
         ([*HOLLOW, "--wall", "3", "--scale", "0.001"], "--scale 1000"),
-        ([*HOLLOW, "--wall", "3", "--scale", "nan"], "scale_to_mm"),
+        ([*HOLLOW, "--wall", "3", "--scale", "nan"], "--scale: must be above 0"),
+        ([*HOLLOW, "--wall", "3", "--tolerance", "0"], "--tolerance: must be above 0"),
+        ([*HOLLOW, "--wall", "3", "--seconds", "0"], "--seconds: must be above 0"),
+        ([*HOLLOW, "--wall", "3", "--finish-height", "-1"], "--finish-height: must be above 0"),
+        ([*HOLLOW, "--wall", "3", "--finish-height", "5000"], "--finish-height"),
+        ([*HOLLOW, "--wall", "1e-9"], "at least 0.01 mm"),
+        ([*HOLLOW, "--wall", "3", "--report", "{folder}/x.step"], "two outputs have this name"),
+        (["hollow", "{folder}", "--wall", "3", "-o", "{folder}/x.step"], "it is a folder"),
+        (["inspect", "{folder}"], "it is a folder"),
+        (["inspect", WINE_BOTTLE, "--scale", "0"], "--scale: must be above 0"),
         (["inspect", "{folder}/missing.step"], "there is no such file"),
     ],
 )
 def test_bad_molds_and_walls_are_told_in_one_sentence_and_leave_nothing(tmp_path, capsys, arguments, message):
     pytest.importorskip("glassworkbench.freecad")
-    assert main([word.replace("{folder}", str(tmp_path)) for word in arguments]) == 2
+    assert main([in_folder(word, tmp_path) for word in arguments]) == 2
     assert message in told(capsys)
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("name", ["mold.step", "link.step"])
+def test_an_input_is_never_overwritten(tmp_path, capsys, name):
+    mold, link = tmp_path / "mold.step", tmp_path / "link.step"
+    shutil.copy(WINE_BOTTLE, mold)
+    link.symlink_to(mold)
+    for output in (["-o", str(tmp_path / name)], ["-o", str(tmp_path / "x.step"), "--report", str(tmp_path / name)]):
+        assert main(["hollow", str(mold), "--wall", "3", *output]) == 2
+        assert "it is read from" in told(capsys)
+    assert mold.read_bytes() == Path(WINE_BOTTLE).read_bytes()
+    assert link.is_symlink()
+    assert not (tmp_path / "x.step").exists()
+
+
+def test_a_scene_is_never_overwritten(tmp_path, capsys):
+    scene = Path(shutil.copy(BALL, tmp_path))
+    assert main(["render", str(scene), "-o", str(tmp_path / "x.png"), "--report", str(scene)]) == 2
+    assert "it is read from" in told(capsys)
+    assert scene.read_bytes() == Path(BALL).read_bytes()
+
+
+def test_a_table_of_the_wall_is_never_overwritten(tmp_path, capsys):
+    table = tmp_path / "wall.csv"
+    table.write_text("height_mm,thickness_mm\n0,3\n300,3\n")
+    arguments = ["hollow", WINE_BOTTLE, "--wall", f"@{table}", "-o", str(tmp_path / "x.step"), "--report", str(table)]
+    assert main(arguments) == 2
+    assert "it is read from" in told(capsys)
+    assert table.read_text().startswith("height_mm")
+
+
+@pytest.fixture
+def dome(tmp_path):
+    """A STEP file of a cylinder 60 mm high under half a ball of radius 20 mm, so without a mouth."""
+    part = pytest.importorskip("glassworkbench.freecad").Part
+    path = tmp_path / "dome.step"
+    ball = part.makeSphere(20)
+    ball.translate((0, 0, 60))
+    part.makeCylinder(20, 60).fuse(ball).removeSplitter().exportStep(str(path))
+    return path
+
+
+def test_the_users_finish_height_cuts_a_mold_without_a_mouth(dome, capsys):
+    assert main(["inspect", str(dome), "--json", "--finish-height", "70"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["faults"] == []
+    assert found["finish_height_mm"] == pytest.approx(70.0, abs=1e-9)
+    assert main(["hollow", str(dome), "--wall", "3", "--finish-height", "70", "-o", str(dome.with_name("c.stl"))]) == 0
+
+
+def test_a_hollow_container_is_inspected_by_its_outer_shell(tmp_path, capsys):
+    part = pytest.importorskip("glassworkbench.freecad").Part
+    outside, inside = part.makeCylinder(30, 100), part.makeCylinder(27, 100)
+    inside.translate((0, 0, 4))
+    path = tmp_path / "tumbler.step"
+    outside.cut(inside).exportStep(str(path))
+    assert main(["inspect", str(path), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["hollow"] is True
+    assert main(["inspect", str(path), "--json", "--outer-shell"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["hollow"] is True
+    assert found["regions"]
+    assert main(["hollow", str(path), "--wall", "3", "-o", str(tmp_path / "x.step")]) == 2
+    assert "--outer-shell" in told(capsys)
+
+
+def test_rounding_is_not_told_as_a_length(capsys):
+    assert list(_lines({"base_point_mm": [-8.88e-16, -1.0, 0.25]})) == ["base point mm: 0, -1, 0.25"]
+
+
+@pytest.mark.parametrize("asked", [["--tolerance", "0.01"], ["--seconds", "1"]])
+def test_a_tolerance_that_was_not_met_is_told(tmp_path, capsys, monkeypatch, asked):
+    def missing(*arguments, **options):
+        image = render(*arguments, **options)
+        report = dict(image.report) | {"tolerance": 0.01}
+        report["certificate"] = dict(report["certificate"]) | {"total_p99": 0.0387}
+        return dataclasses.replace(image, report=report)
+
+    monkeypatch.setattr("glassworkbench.cli.render", missing)
+    assert main(["render", BALL, "-o", str(tmp_path / "x.png"), "--size", "8x8", *asked]) == 0
+    out = capsys.readouterr().out
+    assert "99 % of pixels within 0.0387" in out
+    assert ("(asked 0.01)" in out) == ("--tolerance" in asked)
+
+
+def test_without_the_native_tracer_one_sentence_says_so(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("glassworkbench.tracer.native.available", lambda: False)
+    arguments = ["render", BALL, "-o", str(tmp_path / "x.png"), "--size", "4x4", "--tolerance", "0.5"]
+    assert main(arguments) == 0
+    err = capsys.readouterr().err
+    assert err.startswith("glassworkbench: the native tracer is not built")
+    assert err.count("\n") == 1
+    assert main([*arguments, "--quiet"]) == 0
+    assert capsys.readouterr().err == ""
 
 
 def test_a_traceback_is_shown_only_when_asked_for(tmp_path, capsys):
@@ -307,3 +427,11 @@ def test_a_bar_moves_on_a_terminal_and_in_a_pipe_there_is_none(tmp_path):
     )
     assert "rendering" not in quiet.stdout
     assert run(*render.split()[1:]).stderr == ""
+
+
+def test_a_terminal_of_unknown_width_gets_a_readable_bar(tmp_path):
+    pytest.importorskip("tqdm")
+    render_there = f"stty cols 0; {PROGRAM} render {BALL} -o {tmp_path}/x.png --size 64x64 >/dev/null"
+    shown = subprocess.run(["script", "-qec", render_there, "/dev/null"], capture_output=True, text=True, timeout=120)
+    assert re.search(r"rendering +\d+% \|", shown.stdout)
+    assert "it/s" not in shown.stdout

@@ -38,7 +38,13 @@ UNKNOWN = (
 """What is null in the answer where it cannot be found."""
 
 
-def inspect(path: str | os.PathLike, *, scale_to_mm: float | None = None) -> dict:
+def inspect(
+    path: str | os.PathLike,
+    *,
+    scale_to_mm: float | None = None,
+    finish_height_mm: float | None = None,
+    outer_shell: bool = False,
+) -> dict:
     """Return what a CAD file holds, as a dictionary that JSON can carry.
 
     Parameters
@@ -47,6 +53,8 @@ def inspect(path: str | os.PathLike, *, scale_to_mm: float | None = None) -> dic
         STEP, IGES, BREP or FCStd.
     scale_to_mm : float, optional
         Multiplies every length.
+    finish_height_mm, outer_shell : optional
+        Overrule what is found, as in `mold_from_shape`.
 
     Returns
     -------
@@ -76,12 +84,14 @@ def inspect(path: str | os.PathLike, *, scale_to_mm: float | None = None) -> dic
     try:
         solid, vertices, triangles = outward(single_solid(shape))
         found["mesh_volume_mm3"] = signed_volume(vertices, triangles)
-        standing = find_standing(solid, vertices, triangles)
-        found["hollow"] = is_hollow(standing, vertices, triangles)
-        if found["hollow"]:
+        if finish_height_mm is None:
+            standing = find_standing(solid, vertices, triangles)
+            found["hollow"] = is_hollow(standing, vertices, triangles)
+        if found["hollow"] and not outer_shell:
             found |= _hollow_container(solid, standing, vertices)
         else:
-            found |= _full_mold(mold_from_shape(solid, path.stem).anatomy)
+            mold = mold_from_shape(solid, path.stem, finish_height_mm=finish_height_mm, outer_shell=outer_shell)
+            found |= _full_mold(mold.anatomy)
     except InputError as error:
         found["faults"].append(str(error))
     return found

@@ -182,7 +182,10 @@ def _cut_at_finish(
     below = Part.makeCylinder(from_axis, 1.0 + finish_height_mm, FreeCAD.Vector(0, 0, -1))
     cut = upright.common(below)
     if not cut.Solids or finish_height_mm >= from_axis:
-        raise InputError(f"finish_height_mm: {finish_height_mm:g} mm is not within the shape")
+        raise InputError(
+            "the finish's height (--finish-height, finish_height_mm=) "
+            f"of {finish_height_mm:g} mm is not within the shape"
+        )
     return moved(single_solid(cut), placement), direction
 
 
