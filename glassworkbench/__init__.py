@@ -14,6 +14,7 @@ _HOMES = {
     "read_mold": "glassworkbench.mold",
     "inspect": "glassworkbench.mold",
     "hollow": "glassworkbench.wall",
+    "read_container": "glassworkbench.wall",
     "Glass": "glassworkbench.glass",
     "glasses": "glassworkbench.glass:catalogue",
     "fillings": "glassworkbench.glass",

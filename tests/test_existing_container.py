@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from glassworkbench.cli import main
 from glassworkbench.document import make_container, make_render
 from glassworkbench.errors import GlassWorkbenchError, InputError
 from glassworkbench.freecad import FreeCAD, Part
@@ -155,3 +156,16 @@ def test_an_offset_that_crosses_itself_is_told_in_a_designers_words():
     with pytest.raises(GlassWorkbenchError) as caught:
         thick_solid._check(Crossing(), 1.0)
     assert str(caught.value) == "the offset surface crosses itself"
+
+
+def test_the_command_line_renders_a_container_as_it_is(tmp_path, capsys):
+    path, picture = tmp_path / "tumbler.step", tmp_path / "tumbler.png"
+    tumbler().exportStep(str(path))
+    asked = ["render", str(path), "--glass", "emerald", "--size", "12x16", "--seconds", "0.1", "-o", str(picture)]
+    assert main(asked) == 0
+    assert picture.exists()
+    assert main([*asked, "--wall", "3"]) == 2
+    assert main([*asked, "--outer-shell"]) == 2
+    told = capsys.readouterr().err
+    assert "leave the wall (--wall) away" in told
+    assert "--outer-shell: is for hollowing" in told
