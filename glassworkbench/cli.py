@@ -275,7 +275,7 @@ def _prepare_render(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--fill", metavar="LIQUID[:LEVEL_MM]", help="what it holds, and up to what height")
     parser.add_argument("--size", type=_size, metavar="WxH", help="of the image, in pixels (480x640)")
     price = parser.add_mutually_exclusive_group()
-    price.add_argument("--tolerance", type=float, metavar="T", help="accepted error of a pixel; white is 1 (0.01)")
+    price.add_argument("--tolerance", type=float, metavar="T", help="accepted error of a pixel; white is 1 (0.02)")
     price.add_argument("--seconds", type=float, metavar="S", help="refine until this time is over")
     parser.add_argument("--effects", choices=("auto", "all", "none"), default="auto", help="what to trace (auto)")
     parser.add_argument(
