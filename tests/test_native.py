@@ -111,6 +111,17 @@ def test_grazing_rays_in_a_push_up_find_both_crossings():
     assert answer.leaks.sum() == 0
 
 
+def test_an_apex_a_rounding_error_off_still_looks_along_the_axis():
+    # The control point beside the apex lies one rounding error too high: the arc seems to turn just before its end, and
+    # the piece cut off there had a tangent of noise.
+    meridian = np.array(tracer_scenes.revolved_ball(10.0).meridian)
+    meridian[-1, 2, 1] = np.nextafter(10.0, 11.0)
+    scene = Scene((Body("ball", Revolved(meridian)),), (Medium("ball", 1.5),), (Environment(1.0),), pinhole())
+    path = native.follow(scene, np.array([0.0, 0.0, 50.0]), np.array([0.0, 0.0, -1.0]))
+    assert [crossing.cos_incidence for crossing in path] == pytest.approx([1.0, 1.0], abs=1e-9)
+    np.testing.assert_allclose(path[1].point_mm, [0.0, 0.0, -10.0], atol=1e-9)
+
+
 def test_bodies_that_coincide_do_not_leak():
     ball = tracer_scenes.revolved_ball(10.0)
     bodies = (Body("outer", ball), Body("coat", ball), Body("fill", tracer_scenes.cylinder(10.0, -5.0, 0.0)))

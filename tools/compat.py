@@ -51,8 +51,7 @@ def main() -> int:
     for release, root in roots.items():
         if release != "bookworm":
             install(release, root)
-    # Tests run on one core mostly.
-    with ThreadPoolExecutor(max_workers=2) as pool:
+    with ThreadPoolExecutor() as pool:
         results = list(pool.map(test, roots, roots.values()))
     write_table(results)
     return int(any(result.counts.get(word) for result in results for word in ("failed", "error", "errors")))

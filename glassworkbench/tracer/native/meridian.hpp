@@ -59,6 +59,7 @@ class MeridianCutter {
 public:
     // Twelve degrees: a hyperbola and a piece that bends less meet at most twice on each branch.
     static constexpr double largest_turn = 0.21;
+    static constexpr double smallest_piece = 1e-9;  // in u
 
     std::vector<Piece> pieces;
 
@@ -79,17 +80,16 @@ public:
         sign_changes(dr, 0.0, 1.0, 50, cuts);
         sign_changes(dz, 0.0, 1.0, 50, cuts);
         sign_changes(difference(product(dr, derivative(dz)), product(dz, derivative(dr))), 0.0, 1.0, 50, cuts);
-        cuts.push_back(1.0);
         std::sort(cuts.begin(), cuts.end());
+        // A cut within rounding of another, or of an end, would leave a piece whose tangent is noise.
+        const auto crowded = [](double a, double b) { return b - a < smallest_piece; };
+        cuts.erase(std::unique(cuts.begin(), cuts.end(), crowded), cuts.end());
+        while (cuts.size() > 1 && crowded(cuts.back(), 1.0)) cuts.pop_back();
+        cuts.push_back(1.0);
 
         double r_start = segment[0].r, z_start = segment[0].z;
-        for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
-            if (cuts[i + 1] - cuts[i] < 1e-12 && cuts[i + 1] < 1.0) {
-                cuts[i + 1] = cuts[i];
-                continue;
-            }
+        for (std::size_t i = 0; i + 1 < cuts.size(); ++i)
             cut(r, z, w, rational, cuts[i], cuts[i + 1], segment, r_start, z_start);
-        }
     }
 
 private:
