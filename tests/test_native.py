@@ -77,6 +77,22 @@ def test_any_number_of_threads_gives_the_same_bytes(name):
         assert getattr(one, field).tobytes() == getattr(two, field).tobytes() == getattr(five, field).tobytes()
 
 
+@pytest.mark.parametrize("build", ["baseline", "v3", "v4"])
+@pytest.mark.parametrize("name", ["filled_bottle", "meshes"])
+def test_every_build_gives_the_same_bytes(name, build, monkeypatch):
+    widest = native._library()
+    if build not in native.BUILDS_BY_VECTOR_WIDTH[widest.glass_vector_width()]:
+        pytest.skip("this processor lacks the instructions")
+    scene = tracer_scenes.SCENES[name]()
+    rays = tracer_scenes.rays_through(scene, 2000, seed=21)
+    expected = native.radiance(scene, *rays)
+    library = native._load(build)
+    monkeypatch.setattr(native, "_library", lambda: library)
+    got = native.radiance(scene, *rays)
+    assert got.radiance.tobytes() == expected.radiance.tobytes()
+    assert got.bound.tobytes() == expected.bound.tobytes()
+
+
 def test_a_smaller_cutoff_stays_within_the_bound_of_a_larger_one():
     scene = tracer_scenes.bottle()
     rays = tracer_scenes.rays_through(scene, 3000, seed=14)
