@@ -140,7 +140,7 @@ def test_an_apex_a_rounding_error_off_still_looks_along_the_axis():
 
 def test_bodies_that_coincide_do_not_leak():
     ball = tracer_scenes.revolved_ball(10.0)
-    bodies = (Body("outer", ball), Body("coat", ball), Body("fill", tracer_scenes.cylinder(10.0, -5.0, 0.0)))
+    bodies = (Body("outer", ball), Body("coat", ball), Body("fill", tracer_scenes.cylinder(12.0, -5.0, 0.0)))
     media = (Medium("fill and coat", 1.33), Medium("coat and not fill", 1.7), Medium("outer", 1.5))
     scene = Scene(bodies, media, (Environment(1.0),), pinhole())
     answer = native.radiance(scene, *tracer_scenes.rays_through(scene, 20_000, seed=15), cutoff=1e-4)

@@ -47,13 +47,14 @@ class Result:
 
 def main() -> int:
     """Test every release and return 0 if no test failed anywhere."""
+    commit = output("git", "-C", str(CHECKOUT), "describe", "--always", "--dirty").strip()
     roots = {"bookworm": Path("/"), "trixie": CACHE / "trixie", "forky": CACHE / "forky"}
     for release, root in roots.items():
         if release != "bookworm":
             install(release, root)
     with ThreadPoolExecutor() as pool:
         results = list(pool.map(test, roots, roots.values()))
-    write_table(results)
+    write_table(results, commit)
     return int(any(result.counts.get(word) for result in results for word in ("failed", "error", "errors")))
 
 
@@ -122,9 +123,8 @@ def output(*words: str) -> str:
     return subprocess.run(words, check=True, capture_output=True, text=True).stdout
 
 
-def write_table(results: list[Result]) -> None:
-    """Write docs/compat.md."""
-    commit = output("git", "-C", str(CHECKOUT), "describe", "--always", "--dirty").strip()
+def write_table(results: list[Result], commit: str) -> None:
+    """Write docs/compat.md: how the tests fared, and on which commit."""
     lines = [
         "# On which FreeCADs the tests pass",
         "",
