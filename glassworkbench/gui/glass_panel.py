@@ -29,8 +29,6 @@ class GlassPanel:
         layout = QtWidgets.QVBoxLayout(self.form)
         layout.addWidget(self._list)
         layout.addWidget(self._description)
-        # Selected, the container would be green whatever its glass.
-        FreeCADGui.Selection.removeSelection(container)
 
     def accept(self) -> bool:
         """Keep the choice and close; FreeCAD calls it on OK."""
