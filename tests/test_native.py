@@ -138,9 +138,16 @@ def test_an_apex_a_rounding_error_off_still_looks_along_the_axis():
     np.testing.assert_allclose(path[1].point_mm, [0.0, 0.0, -10.0], atol=1e-9)
 
 
-def test_bodies_that_coincide_do_not_leak():
+@pytest.mark.parametrize(
+    "fill_radius",
+    [
+        pytest.param(10.0, marks=pytest.mark.xfail(reason="touches the ball along its equator: issue 4", strict=False)),
+        12.0,
+    ],
+)
+def test_bodies_that_coincide_do_not_leak(fill_radius):
     ball = tracer_scenes.revolved_ball(10.0)
-    bodies = (Body("outer", ball), Body("coat", ball), Body("fill", tracer_scenes.cylinder(12.0, -5.0, 0.0)))
+    bodies = (Body("outer", ball), Body("coat", ball), Body("fill", tracer_scenes.cylinder(fill_radius, -5.0, 0.0)))
     media = (Medium("fill and coat", 1.33), Medium("coat and not fill", 1.7), Medium("outer", 1.5))
     scene = Scene(bodies, media, (Environment(1.0),), pinhole())
     answer = native.radiance(scene, *tracer_scenes.rays_through(scene, 20_000, seed=15), cutoff=1e-4)
