@@ -10,9 +10,11 @@ help: ## Show this list
 setup: ## Install what this machine lacks (Debian, Ubuntu)
 	@tools/setup.sh
 
-build: setup ## Build the native tracer
-	@cmake -S glassworkbench/tracer/native -B build/native -DCMAKE_BUILD_TYPE=Release >/dev/null
-	@cmake --build build/native --parallel 2 >/dev/null
+build: setup ## Build the native tracer and the native search for nearest points
+	@for room in tracer spatial; do \
+		cmake -S glassworkbench/$$room/native -B build/$$room -DCMAKE_BUILD_TYPE=Release >/dev/null && \
+		cmake --build build/$$room --parallel 2 >/dev/null || exit 1; \
+	done
 
 demo: build ## Hollow a wine bottle and render it, into out/demo
 	@tools/demo.sh

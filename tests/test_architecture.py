@@ -16,13 +16,14 @@ MAY_IMPORT = {
     "output": {"errors"},
     "settings": {"errors"},
     "freecad": {"errors"},
+    "spatial": {"errors"},
     "glass": COMMON,
     "images": COMMON,
     "scene": COMMON | {"glass", "images"},
     "staging": COMMON | {"glass", "scene"},
     "tracer": COMMON | {"scene", "images"},
     "mold": COMMON | {"freecad", "scene"},
-    "wall": COMMON | {"freecad", "scene", "glass", "mold"},
+    "wall": COMMON | {"freecad", "scene", "glass", "mold", "spatial"},
 }
 
 

@@ -1,0 +1,5 @@
+"""Nearest points on triangles that stand for a curved surface: native, and readable in numpy."""
+
+from glassworkbench.spatial.nearest import Nearest, NearestTriangles
+
+__all__ = ["Nearest", "NearestTriangles"]
