@@ -23,6 +23,7 @@ from glassworkbench.mold.meridian import chain, face_profiles, flattened, points
 from glassworkbench.mold.outer_shape import outer_shape
 from glassworkbench.mold.read import read_shape, sha256
 from glassworkbench.mold.silhouette import find_regions, find_stem, radius_spread, silhouette
+from glassworkbench.scene import Mesh
 from glassworkbench.scene.validate import positive
 
 SMALLEST_MM, LARGEST_MM = 4.0, 10_000.0
@@ -38,9 +39,9 @@ class Mold:
 
     Parameters
     ----------
-    solid : Part.Shape
-        One closed solid, in CAD coordinates.
-    upright : Part.Shape
+    solid : Part.Shape or None
+        One closed solid, in CAD coordinates; None for a mold that is a mesh.
+    upright : Part.Shape or None
         The same solid with its axis on +z and its lowest point at z = 0; its faces keep their numbers.
     placement : array (4, 4)
         Takes upright coordinates to CAD coordinates.
@@ -52,16 +53,19 @@ class Mold:
         Digest of that file, empty for a FreeCAD object.
     core : array (n, 4, 3) or None
         The meridian of its faces that are turned about the axis, base to finish; None if they do not connect.
+    mesh : Mesh or None
+        The upright body of a mold that was read from a mesh, closed; None for one of CAD faces.
     """
 
-    solid: Part.Shape
-    upright: Part.Shape
+    solid: Part.Shape | None
+    upright: Part.Shape | None
     placement: np.ndarray
     anatomy: Anatomy
     name: str
     path: Path | None = None
     sha256: str = ""
     core: np.ndarray | None = None
+    mesh: Mesh | None = None
 
     @property
     def is_nearly_round(self) -> bool:
