@@ -61,7 +61,7 @@ def inspect(
     dict
         path, sha256, unit, solids, `entities` (count by type, of a STEP file), `faces` (count by surface), `faults`
         (sentences), and those of `UNKNOWN` that can be found. Of a container that is already hollow they are those of
-        its outside; where its rim is rounded, so that nothing parts outside from inside, only axis, base and heights.
+        its outside; where inside and outside cannot be parted, only axis, base and heights.
 
     Raises
     ------

@@ -20,7 +20,7 @@ from glassworkbench.mold.measures import (
     smallest_width,
 )
 from glassworkbench.mold.meridian import chain, face_profiles, flattened, points
-from glassworkbench.mold.outer_shape import outer_shape
+from glassworkbench.mold.outer_shape import outer_shape, outer_shape_within_crest
 from glassworkbench.mold.read import read_shape, sha256
 from glassworkbench.mold.silhouette import find_regions, find_stem, radius_spread, silhouette
 from glassworkbench.scene import Mesh
@@ -55,6 +55,8 @@ class Mold:
         The meridian of its faces that are turned about the axis, base to finish; None if they do not connect.
     mesh : Mesh or None
         The upright body of a mold that was read from a mesh, closed; None for one of CAD faces.
+    repairs : tuple of str
+        A sentence for each thing that was changed of what the file holds, to make it a mold.
     """
 
     solid: Part.Shape | None
@@ -66,6 +68,7 @@ class Mold:
     sha256: str = ""
     core: np.ndarray | None = None
     mesh: Mesh | None = None
+    repairs: tuple[str, ...] = ()
 
     @property
     def is_nearly_round(self) -> bool:
@@ -148,6 +151,7 @@ def _mold(
     path: Path | None,
     digest: str,
 ) -> Mold:
+    repairs: tuple[str, ...] = ()
     solid, vertices, triangles = outward(single_solid(shape))
     if finish_height_mm is not None:
         solid, up = _cut_at_finish(solid, vertices, triangles, axis, up, finish_height_mm)
@@ -159,14 +163,25 @@ def _mold(
                 "it is already hollow; leave the wall (--wall) away to render it as it is, "
                 "or take its outside as the mold (--outer-shell, outer_shell=True) to hollow that anew"
             )
-        solid, vertices, triangles = outward(outer_shape(solid, standing.finish_face))
+        solid, repairs = _outer_solid(solid, standing, vertices)
+        solid, vertices, triangles = outward(solid)
         standing = find_standing(solid, vertices, triangles, up=standing.axis)
     placement = placement_of(standing, vertices)
     upright = moved(solid, np.linalg.inv(placement))
     profiles = face_profiles(upright.Faces)
     core = chain(profiles)
     anatomy = _anatomy(standing, placement, upright, to_upright(vertices, standing), triangles, profiles, core)
-    return Mold(solid, upright, placement, anatomy, name, path, digest, core)
+    return Mold(solid, upright, placement, anatomy, name, path, digest, core, repairs=repairs)
+
+
+def _outer_solid(solid: Part.Shape, standing: Standing, vertices_mm: np.ndarray) -> tuple[Part.Shape, tuple[str, ...]]:
+    """Return the outer shape of a hollow container, and what was changed to get it."""
+    if standing.finish_face:
+        return outer_shape(solid, standing.finish_face), ()
+    placement = placement_of(standing, vertices_mm)
+    outer, cut_mm = outer_shape_within_crest(moved(solid, np.linalg.inv(placement)))
+    told = (f"its rounded rim has no level ring, so it was cut flat {cut_mm:.3g} mm below its top",) if cut_mm else ()
+    return moved(outer, placement), told
 
 
 def _cut_at_finish(
