@@ -226,6 +226,8 @@ def _add_mold_options(parser: argparse.ArgumentParser) -> None:
         "--finish-height", type=float, metavar="MM", help="the mouth's height above the base, where none is found"
     )
     parser.add_argument("--outer-shell", action="store_true", help="take the outside of a hollow container as the mold")
+    parser.add_argument("--block", action="store_true", help="take the void in the solids of a mold block as the mold")
+    parser.add_argument("--close", action="store_true", help="close the flat holes of an open surface")
 
 
 def _mold_options(options: argparse.Namespace) -> dict[str, object]:
@@ -233,6 +235,8 @@ def _mold_options(options: argparse.Namespace) -> dict[str, object]:
         "scale_to_mm": options.scale,
         "finish_height_mm": options.finish_height,
         "outer_shell": options.outer_shell,
+        "block": options.block,
+        "close_open_shell": options.close,
     }
 
 
@@ -248,7 +252,7 @@ def _container(options: argparse.Namespace, **limits: float | None) -> object:
 
 
 def _container_as_it_is(options: argparse.Namespace) -> ContainerGeometry:
-    for name in ("method", "finish_height", "outer_shell"):
+    for name in ("method", "finish_height", "outer_shell", "block", "close"):
         if getattr(options, name):
             raise InputError(f"--{name.replace('_', '-')}: is for hollowing; give --wall, too, or leave the option out")
     from glassworkbench.wall import read_container
@@ -332,7 +336,18 @@ def _told_of_image(report: Mapping, asked: bool) -> str:
 
 def _scene(options: argparse.Namespace) -> Scene:
     if Path(options.mold).suffix.lower() == ".toml":
-        for name in ("wall", "method", "scale", "finish_height", "outer_shell", "station", "glass", "fill"):
+        for name in (
+            "wall",
+            "method",
+            "scale",
+            "finish_height",
+            "outer_shell",
+            "block",
+            "close",
+            "station",
+            "glass",
+            "fill",
+        ):
             if getattr(options, name):
                 raise InputError(
                     f"--{name.replace('_', '-')}: the scene file {options.mold} says it; leave the option out"

@@ -9,7 +9,15 @@ import pytest
 
 from glassworkbench.errors import InputError
 from glassworkbench.freecad import FreeCAD, Part
-from glassworkbench.mold import core_meridian, inspect, mold_from_shape, outer_meridian, read_mold, tessellate
+from glassworkbench.mold import (
+    core_meridian,
+    inspect,
+    mold_from_shape,
+    outer_meridian,
+    outside_mesh,
+    read_mold,
+    tessellate,
+)
 from glassworkbench.mold.meridian import chain, face_profiles, points
 from glassworkbench.scene import Revolved
 
@@ -190,6 +198,19 @@ def test_meshes_are_closed_and_lie_on_the_solid(name):
     facets = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     facets /= np.linalg.norm(facets, axis=1, keepdims=True)
     assert np.einsum("ij,ij->i", facets, mesh.normals[mesh.triangles[:, 0]]).min() > 0.5
+
+
+@pytest.mark.parametrize("name", ["jar", "perfume_flacon"])
+def test_triangles_of_the_outside_know_the_face_they_lie_on(name):
+    mold = read_mold(MOLDS / f"{name}.step")
+    mesh, faces = outside_mesh(mold, 0.1)
+    assert set(faces) == set(range(1, len(mold.upright.Faces) + 1))
+    middles = mesh.vertices_mm[mesh.triangles].mean(axis=1)
+    for triangle in np.random.default_rng(5).choice(len(faces), 60, replace=False):
+        face = mold.upright.Faces[faces[triangle] - 1]
+        assert face.distToShape(Part.Vertex(*middles[triangle].tolist()))[0] < 0.11
+    mouth = faces == mold.anatomy.finish_face
+    assert mesh.vertices_mm[mesh.triangles[mouth], 2] == pytest.approx(mold.anatomy.finish_height_mm)
 
 
 def test_a_sphere_mesh_carries_the_spheres_own_normals():

@@ -3,7 +3,7 @@
 from glassworkbench.mold.anatomy import Anatomy
 from glassworkbench.mold.inspection import inspect
 from glassworkbench.mold.mold import Mold, core_meridian, mold_from_shape, outer_meridian, read_mold
-from glassworkbench.mold.tessellation import tessellate
+from glassworkbench.mold.tessellation import outside_mesh, tessellate, tessellate_faces
 
 __all__ = [
     "Anatomy",
@@ -12,6 +12,8 @@ __all__ = [
     "inspect",
     "mold_from_shape",
     "outer_meridian",
+    "outside_mesh",
     "read_mold",
     "tessellate",
+    "tessellate_faces",
 ]

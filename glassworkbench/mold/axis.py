@@ -71,7 +71,7 @@ def find_standing(
         ends = _flat_ends(solid, vertices_mm, direction, point)
         open_end = _open_end(vertices_mm, triangles, line)
         if open_end is not None:
-            rims = [end for end in ends if end.axis @ open_end.axis > 0.0]
+            rims = [end for end in ends if end.axis @ open_end.axis > 0.0 and _surrounds(solid, vertices_mm, end)]
             return dataclasses.replace(open_end, finish_face=rims[0].finish_face if rims else 0)
         ends = [end for end in ends if _holds(solid.Faces[end.finish_face - 1], vertices_mm, end)]
         if up is not None:
@@ -186,10 +186,7 @@ def _flat_ends(solid: Part.Shape, vertices_mm: np.ndarray, direction: np.ndarray
             normal = np.array(face.normalAt(*face.Surface.parameter(face.CenterOfMass)))
             if sense * normal @ direction < 1.0 - ALIGNED:
                 continue
-            centre = np.array(face.CenterOfMass) - point
-            height = centre @ direction
-            off_axis = np.linalg.norm(centre - height * direction)
-            if sense * height > top - tolerance and off_axis < 0.1 * np.sqrt(face.Area):
+            if sense * ((np.array(face.CenterOfMass) - point) @ direction) > top - tolerance:
                 ends.append(Standing(sense * direction, point, number))
     return ends
 
@@ -198,6 +195,12 @@ def _holds(face: Part.Face, vertices_mm: np.ndarray, end: Standing) -> bool:
     """Return whether the face at a solid's end covers the axis there, as a mouth does and a ring does not."""
     height = ((vertices_mm - end.point_mm) @ end.axis).max()
     return face.isInside(FreeCAD.Vector(*(end.point_mm + height * end.axis).tolist()), 1e-4, True)
+
+
+def _surrounds(solid: Part.Shape, vertices_mm: np.ndarray, end: Standing) -> bool:
+    """Return whether the face at a solid's end is a ring around the axis (a thread may cut into it on one side)."""
+    face = solid.Faces[end.finish_face - 1]
+    return not _holds(face, vertices_mm, end) and _holds(Part.Face(face.OuterWire), vertices_mm, end)
 
 
 def _finish_end(ends: list[Standing], solid: Part.Shape, vertices_mm: np.ndarray, triangles: np.ndarray) -> Standing:

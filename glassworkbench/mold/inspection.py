@@ -13,6 +13,8 @@ from glassworkbench.errors import InputError
 from glassworkbench.freecad import Part
 from glassworkbench.mold.anatomy import Anatomy
 from glassworkbench.mold.axis import Standing, find_standing, is_hollow, to_upright
+from glassworkbench.mold.cavity import looks_like_block
+from glassworkbench.mold.closing import closed_solid
 from glassworkbench.mold.measures import signed_volume
 from glassworkbench.mold.mold import mold_from_shape, outward, single_solid
 from glassworkbench.mold.read import STEP_ENDINGS, read_shape, sha256
@@ -44,6 +46,8 @@ def inspect(
     scale_to_mm: float | None = None,
     finish_height_mm: float | None = None,
     outer_shell: bool = False,
+    block: bool = False,
+    close_open_shell: bool = False,
 ) -> dict:
     """Return what a CAD file holds, as a dictionary that JSON can carry.
 
@@ -53,7 +57,7 @@ def inspect(
         STEP, IGES, BREP or FCStd.
     scale_to_mm : float, optional
         Multiplies every length.
-    finish_height_mm, outer_shell : optional
+    finish_height_mm, outer_shell, block, close_open_shell : optional
         Overrule what is found, as in `mold_from_shape`.
 
     Returns
@@ -61,7 +65,7 @@ def inspect(
     dict
         path, sha256, unit, solids, `entities` (count by type, of a STEP file), `faces` (count by surface), `faults`
         (sentences), and those of `UNKNOWN` that can be found. Of a container that is already hollow they are those of
-        its outside; where its rim is rounded, so that nothing parts outside from inside, only axis, base and heights.
+        its outside; where inside and outside cannot be parted, only axis, base and heights.
 
     Raises
     ------
@@ -82,6 +86,21 @@ def inspect(
         "faults": _faults(shape),
     }
     try:
+        if block:
+            mold = mold_from_shape(shape, path.stem, finish_height_mm=finish_height_mm, block=True)
+            volume = signed_volume(*outward(mold.solid)[1:])
+            return (
+                found
+                | {"mesh_volume_mm3": volume, "hollow": False, "faults": [*found["faults"], *mold.repairs]}
+                | (_full_mold(mold.anatomy))
+            )
+        if looks_like_block(shape):
+            raise InputError(
+                f"it holds {len(shape.Solids)} solids that look like a mold block; use --block (block=True)"
+            )
+        if close_open_shell:
+            shape, repairs = closed_solid(shape)
+            found["faults"] += repairs
         solid, vertices, triangles = outward(single_solid(shape))
         found["mesh_volume_mm3"] = signed_volume(vertices, triangles)
         if finish_height_mm is None:

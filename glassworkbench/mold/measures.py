@@ -8,6 +8,9 @@ import numpy as np
 
 from glassworkbench.freecad import Part
 
+FLAT_SHARE = 1e-4
+"""Triangles that lie in a plane across the axis within this share of the height are one flat end."""
+
 
 def mesh_of(shape: Part.Shape) -> tuple[np.ndarray, np.ndarray]:
     """Return a mesh (vertices (n, 3), triangles (m, 3)) fine enough to measure a container by, 0.1 % of its size."""
@@ -38,6 +41,13 @@ def crossings_on_axis(vertices_mm: np.ndarray, triangles: np.ndarray) -> np.ndar
     # A vertex or edge on the axis is met by each triangle around it.
     apart = np.diff(heights, prepend=-np.inf) > 1e-6 * np.ptp(vertices_mm[:, 2])
     return heights[apart]
+
+
+def flat_top(vertices_mm: np.ndarray, triangles: np.ndarray, height_mm: float) -> np.ndarray:
+    """Return which triangles (m,) of an upright closed mesh lie in the plane z = `height_mm` and face upward."""
+    a, b, c = (vertices_mm[triangles[:, k]] for k in range(3))
+    level = np.abs(vertices_mm[:, 2] - height_mm) < FLAT_SHARE * np.ptp(vertices_mm[:, 2])
+    return np.all(level[triangles], axis=1) & (np.cross(b - a, c - a)[:, 2] > 0.0)
 
 
 def smallest_width(vertices_mm: np.ndarray) -> float:

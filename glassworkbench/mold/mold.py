@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,7 +12,9 @@ import numpy as np
 from glassworkbench.errors import InputError
 from glassworkbench.freecad import FreeCAD, Part
 from glassworkbench.mold.anatomy import Anatomy
-from glassworkbench.mold.axis import Standing, axis_lines, find_standing, is_hollow, rotation_to_upright, to_upright
+from glassworkbench.mold.axis import Standing, axis_lines, find_standing, is_hollow, to_upright
+from glassworkbench.mold.cavity import find_cavity
+from glassworkbench.mold.closing import closed_solid
 from glassworkbench.mold.measures import (
     crossings_on_axis,
     distance_to_polyline,
@@ -20,9 +23,11 @@ from glassworkbench.mold.measures import (
     smallest_width,
 )
 from glassworkbench.mold.meridian import chain, face_profiles, flattened, points
-from glassworkbench.mold.outer_shape import outer_shape
+from glassworkbench.mold.outer_shape import outer_shape, outer_shape_within_crest
+from glassworkbench.mold.placing import moved, placement_of
 from glassworkbench.mold.read import read_shape, sha256
 from glassworkbench.mold.silhouette import find_regions, find_stem, radius_spread, silhouette
+from glassworkbench.scene import Mesh
 from glassworkbench.scene.validate import positive
 
 SMALLEST_MM, LARGEST_MM = 4.0, 10_000.0
@@ -38,9 +43,9 @@ class Mold:
 
     Parameters
     ----------
-    solid : Part.Shape
-        One closed solid, in CAD coordinates.
-    upright : Part.Shape
+    solid : Part.Shape or None
+        One closed solid, in CAD coordinates; None for a mold that is a mesh.
+    upright : Part.Shape or None
         The same solid with its axis on +z and its lowest point at z = 0; its faces keep their numbers.
     placement : array (4, 4)
         Takes upright coordinates to CAD coordinates.
@@ -52,16 +57,22 @@ class Mold:
         Digest of that file, empty for a FreeCAD object.
     core : array (n, 4, 3) or None
         The meridian of its faces that are turned about the axis, base to finish; None if they do not connect.
+    mesh : Mesh or None
+        The upright body of a mold that was read from a mesh, closed; None for one of CAD faces.
+    repairs : tuple of str
+        A sentence for each thing that was changed of what the file holds, to make it a mold.
     """
 
-    solid: Part.Shape
-    upright: Part.Shape
+    solid: Part.Shape | None
+    upright: Part.Shape | None
     placement: np.ndarray
     anatomy: Anatomy
     name: str
     path: Path | None = None
     sha256: str = ""
     core: np.ndarray | None = None
+    mesh: Mesh | None = None
+    repairs: tuple[str, ...] = ()
 
     @property
     def is_nearly_round(self) -> bool:
@@ -77,6 +88,8 @@ def read_mold(
     up: object = None,
     finish_height_mm: float | None = None,
     outer_shell: bool = False,
+    block: bool = False,
+    close_open_shell: bool = False,
 ) -> Mold:
     """Return the mold in a CAD file.
 
@@ -86,7 +99,7 @@ def read_mold(
         STEP, IGES, BREP or FCStd file with one closed solid: the outer shape of a container, full inside.
     scale_to_mm : float, optional
         Multiplies every length, for a file whose declared unit is wrong.
-    axis, up, finish_height_mm, outer_shell : optional
+    axis, up, finish_height_mm, outer_shell, block, close_open_shell : optional
         Overrule what is found, as in `mold_from_shape`.
 
     Raises
@@ -97,9 +110,19 @@ def read_mold(
     path = Path(path)
     shape = read_shape(path, scale_to_mm=scale_to_mm)
     try:
-        return _mold(shape, path.stem, axis, up, finish_height_mm, outer_shell, path, sha256(path))
+        mold = mold_from_shape(
+            shape,
+            path.stem,
+            axis=axis,
+            up=up,
+            finish_height_mm=finish_height_mm,
+            outer_shell=outer_shell,
+            block=block,
+            close_open_shell=close_open_shell,
+        )
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
+    return dataclasses.replace(mold, path=path, sha256=sha256(path))
 
 
 def mold_from_shape(
@@ -110,6 +133,8 @@ def mold_from_shape(
     up: object = None,
     finish_height_mm: float | None = None,
     outer_shell: bool = False,
+    block: bool = False,
+    close_open_shell: bool = False,
 ) -> Mold:
     """Return the mold that a shape (of a selected FreeCAD object, in mm) is.
 
@@ -125,25 +150,24 @@ def mold_from_shape(
         The shape is cut flat at this height above its lowest point, and the mouth is there.
     outer_shell : bool
         Take the outer shape of a container that is already hollow, closed over its rim, instead of refusing it.
+    block : bool
+        The solids are a mold block, and the container is the void in them; see `cavity.find_cavity`.
+    close_open_shell : bool
+        Close the flat holes of a surface that is open, instead of refusing it.
 
     Raises
     ------
     InputError
         As `read_mold`.
     """
-    return _mold(shape, name, axis, up, finish_height_mm, outer_shell, None, "")
-
-
-def _mold(
-    shape: Part.Shape,
-    name: str,
-    axis: object,
-    up: object,
-    finish_height_mm: float | None,
-    outer_shell: bool,
-    path: Path | None,
-    digest: str,
-) -> Mold:
+    repairs: list[str] = []
+    if block:
+        cavity = find_cavity(shape)
+        shape, repairs = cavity.solid, [cavity.told]
+        up = cavity.up if up is None and axis is None else up
+    if close_open_shell:
+        shape, told = closed_solid(shape)
+        repairs += told
     solid, vertices, triangles = outward(single_solid(shape))
     if finish_height_mm is not None:
         solid, up = _cut_at_finish(solid, vertices, triangles, axis, up, finish_height_mm)
@@ -155,14 +179,26 @@ def _mold(
                 "it is already hollow; leave the wall (--wall) away to render it as it is, "
                 "or take its outside as the mold (--outer-shell, outer_shell=True) to hollow that anew"
             )
-        solid, vertices, triangles = outward(outer_shape(solid, standing.finish_face))
+        solid, told = _outer_solid(solid, standing, vertices)
+        repairs += told
+        solid, vertices, triangles = outward(solid)
         standing = find_standing(solid, vertices, triangles, up=standing.axis)
     placement = placement_of(standing, vertices)
     upright = moved(solid, np.linalg.inv(placement))
     profiles = face_profiles(upright.Faces)
     core = chain(profiles)
     anatomy = _anatomy(standing, placement, upright, to_upright(vertices, standing), triangles, profiles, core)
-    return Mold(solid, upright, placement, anatomy, name, path, digest, core)
+    return Mold(solid, upright, placement, anatomy, name, core=core, repairs=tuple(repairs))
+
+
+def _outer_solid(solid: Part.Shape, standing: Standing, vertices_mm: np.ndarray) -> tuple[Part.Shape, tuple[str, ...]]:
+    """Return the outer shape of a hollow container, and what was changed to get it."""
+    if standing.finish_face:
+        return outer_shape(solid, standing.finish_face), ()
+    placement = placement_of(standing, vertices_mm)
+    outer, cut_mm = outer_shape_within_crest(moved(solid, np.linalg.inv(placement)))
+    told = (f"its rounded rim has no level ring, so it was cut flat {cut_mm:.3g} mm below its top",) if cut_mm else ()
+    return moved(outer, placement), told
 
 
 def _cut_at_finish(
@@ -215,7 +251,8 @@ def single_solid(shape: Part.Shape) -> Part.Shape:
         raise InputError("it is empty; choose something that holds a solid")
     if len(shape.Solids) > 1:
         raise InputError(
-            f"it holds {len(shape.Solids)} solids, but a mold is one; join them, or export only the container's"
+            f"it holds {len(shape.Solids)} solids, but a mold is one; join them, or export only the container's, "
+            "or take the void in them where they are a mold block (--block, block=True)"
         )
     if not shape.Solids:
         # IGES knows no solids: its faces come loose, and are one when sewn.
@@ -223,11 +260,17 @@ def single_solid(shape: Part.Shape) -> Part.Shape:
         sewn.sewShape()
         if not sewn.isClosed():
             kind = "an open shell" if shape.Shells else "loose faces"
-            raise InputError(f"it holds no solid, only {kind}; close the surface and export it as a solid")
+            raise InputError(
+                f"it holds no solid, only {kind}; close the surface and export it as a solid, "
+                "or have its flat holes closed (--close, close_open_shell=True)"
+            )
         return Part.makeSolid(sewn)
     solid = shape.Solids[0]
     if not all(shell.isClosed() for shell in solid.Shells):
-        raise InputError("its solid is not closed (a shell has free edges); repair it in the CAD program")
+        raise InputError(
+            "its solid is not closed (a shell has free edges); repair it in the CAD program, "
+            "or have its flat holes closed (--close, close_open_shell=True)"
+        )
     return solid
 
 
@@ -238,22 +281,6 @@ def outward(solid: Part.Shape) -> tuple[Part.Shape, np.ndarray, np.ndarray]:
     if signed_volume(vertices, triangles) > 0.0:
         return solid, vertices, triangles
     return solid.reversed(), vertices, triangles[:, ::-1]
-
-
-def placement_of(standing: Standing, vertices_mm: np.ndarray) -> np.ndarray:
-    """Return the matrix (4, 4) from upright to CAD coordinates for a container with the points `vertices_mm` (n, 3)."""
-    heights = (vertices_mm - standing.point_mm) @ standing.axis
-    placement = np.eye(4)
-    placement[:3, :3] = rotation_to_upright(standing.axis).T
-    placement[:3, 3] = standing.point_mm + heights.min() * standing.axis
-    return placement
-
-
-def moved(shape: Part.Shape, matrix: np.ndarray) -> Part.Shape:
-    """Return a copy of a shape after a rigid motion (4, 4)."""
-    copy = shape.copy()
-    copy.transformShape(FreeCAD.Matrix(*matrix.ravel().tolist()), True, False)
-    return copy
 
 
 def _anatomy(

@@ -8,11 +8,16 @@ import numpy as np
 
 from glassworkbench.errors import GlassWorkbenchError, InputError
 from glassworkbench.freecad import FreeCAD, Part
+from glassworkbench.mold.measures import flat_top
+from glassworkbench.mold.mold import Mold
 from glassworkbench.scene import Mesh
 from glassworkbench.scene.validate import positive
 
 NODE_DECIMALS = 4
 """Nodes are matched to their surface parameters by position, rounded to a tenth of a micrometre."""
+
+MOUTH = -1
+"""What stands for the number of a CAD face on the triangles that close the mouth of a mold that is a mesh."""
 
 WELD_MM = 1e-7
 """Nodes of neighbouring faces nearer than this are one: in a turned solid they differ by rounding."""
@@ -37,13 +42,18 @@ def tessellate(shape: Part.Shape, deviation_mm: float) -> Mesh:
     GlassWorkbenchError
         If OCC leaves a hole in the mesh.
     """
+    return tessellate_faces(shape, deviation_mm)[0]
+
+
+def tessellate_faces(shape: Part.Shape, deviation_mm: float) -> tuple[Mesh, np.ndarray]:
+    """Return the mesh of `tessellate`, and the 1-based number (m,) of the shape's face that each triangle lies on."""
     deviation_mm = positive(deviation_mm, "deviation_mm")
     # OCC would otherwise hand out a coarser or finer mesh that an earlier caller left in the shape.
     shape = shape.copy(True, False)
     shape.tessellate(deviation_mm)
-    vertices, triangles, normals = [], [], []
+    vertices, triangles, normals, numbers = [], [], [], []
     count = 0
-    for face in shape.Faces:
+    for number, face in enumerate(shape.Faces, start=1):
         nodes, corners = face.tessellate(deviation_mm)
         if not corners:
             continue
@@ -52,15 +62,46 @@ def tessellate(shape: Part.Shape, deviation_mm: float) -> Mesh:
         vertices.append(points)
         triangles.append(corners + count)
         normals.append(_normals(face, points, corners))
+        numbers.append(np.full(len(corners), number, dtype=np.int32))
         count += len(points)
     points, corners = _welded(np.concatenate(vertices)), np.concatenate(triangles)
     try:
-        return Mesh(points, corners, np.concatenate(normals))
+        return Mesh(points, corners, np.concatenate(normals)), np.concatenate(numbers)
     except InputError as error:
         raise GlassWorkbenchError(
             f"the shape could not be meshed without holes at {deviation_mm:g} mm ({error}); "
             "repair the shape, or try another deviation"
         ) from error
+
+
+def outside_mesh(mold: Mold, deviation_mm: float) -> tuple[Mesh, np.ndarray]:
+    """Return the upright mesh of a mold's whole closed outer body, the mouth included, and where its triangles lie.
+
+    Parameters
+    ----------
+    mold : Mold
+    deviation_mm : float
+        Largest distance from the CAD faces; a mold that is a mesh is returned as it is.
+
+    Returns
+    -------
+    mesh : Mesh
+    faces : int array (m,)
+        Of each triangle, the 1-based number of the CAD face; those that close the mouth carry
+        `mold.anatomy.finish_face`. Of a mold that is a mesh 0, and `MOUTH` (-1) where it closes the mouth.
+
+    Raises
+    ------
+    InputError
+        If the deviation is not above 0.
+    GlassWorkbenchError
+        If OCC leaves a hole in the mesh.
+    """
+    if mold.mesh is None:
+        return tessellate_faces(mold.upright, deviation_mm)
+    positive(deviation_mm, "deviation_mm")
+    mouth = flat_top(mold.mesh.vertices_mm, mold.mesh.triangles, mold.anatomy.finish_height_mm)
+    return mold.mesh, np.where(mouth, MOUTH, 0).astype(np.int32)
 
 
 def _welded(points: np.ndarray) -> np.ndarray:

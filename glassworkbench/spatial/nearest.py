@@ -71,9 +71,7 @@ class NearestTriangles:
         If there is no triangle, or a number is not finite.
     """
 
-    def __init__(
-        self, corners_mm: np.ndarray, normals: np.ndarray, thickness_mm: np.ndarray | None = None
-    ) -> None:
+    def __init__(self, corners_mm: np.ndarray, normals: np.ndarray, thickness_mm: np.ndarray | None = None) -> None:
         self.corners_mm = np.ascontiguousarray(corners_mm, dtype=np.float64)
         self.normals = np.ascontiguousarray(normals, dtype=np.float64)
         count = len(self.corners_mm)
@@ -81,7 +79,9 @@ class NearestTriangles:
         self.thickness_mm = np.ascontiguousarray(thickness_mm, dtype=np.float64)
         for array, shape in ((self.corners_mm, (3, 3)), (self.normals, (3, 3)), (self.thickness_mm, (3,))):
             if count == 0 or array.shape != (count, *shape) or not np.all(np.isfinite(array)):
-                raise InputError("triangles: there must be some, with three finite corners, normals and thicknesses each")
+                raise InputError(
+                    "triangles: there must be some, with three finite corners, normals and thicknesses each"
+                )
         library = _library()
         self._search = _NumpySearch(self) if library is None else _NativeSearch(self, library)
 

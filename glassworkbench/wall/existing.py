@@ -11,8 +11,9 @@ from glassworkbench.errors import InputError
 from glassworkbench.freecad import Part
 from glassworkbench.mold.axis import Standing, find_standing, is_hollow
 from glassworkbench.mold.meridian import chain, face_profiles
-from glassworkbench.mold.mold import mold_from_shape, moved, outward, placement_of, single_solid
+from glassworkbench.mold.mold import mold_from_shape, outward, single_solid
 from glassworkbench.mold.outer_shape import cavity_shape
+from glassworkbench.mold.placing import moved, placement_of
 from glassworkbench.mold.read import read_shape
 from glassworkbench.scene import ContainerGeometry, Mesh, Revolved, Surface
 from glassworkbench.wall.container import fine_mesh, geometry_within

@@ -12,8 +12,13 @@ from functools import cached_property
 
 import numpy as np
 
+from glassworkbench.mold import Mold
+from glassworkbench.mold.tessellation import MOUTH, outside_mesh
 from glassworkbench.scene import Mesh
 from glassworkbench.spatial import Nearest, NearestTriangles
+
+DEVIATION_MM = 0.05
+"""Distance of the triangles from the outside; their bulge brings them to a few micrometres."""
 
 LIP_ZONE_MM = 4.0
 """Near the mouth, what leans inward this close to the finish plane is the lip's rounding: the bore runs straight."""
@@ -89,15 +94,29 @@ ThicknessAt = Callable[[np.ndarray, np.ndarray], np.ndarray]
 """Takes points of the outside (n, 3), upright, and their CAD faces' numbers (n,); returns the thickness (n,), mm."""
 
 
-def outside(
-    mesh: Mesh, faces: np.ndarray, mouth: np.ndarray, finish_height_mm: float, thickness_at: ThicknessAt
-) -> Outside:
+def outside(mold: Mold, thickness_at: ThicknessAt, deviation_mm: float = DEVIATION_MM) -> Outside:
     """Return the outside of a mold.
 
     Parameters
     ----------
+    mold : Mold
+    thickness_at : callable
+    deviation_mm : float
+        Largest distance of the triangles, before their bulge, from the CAD faces.
+    """
+    mesh, faces = outside_mesh(mold, deviation_mm)
+    mouth = np.isin(faces, (mold.anatomy.finish_face, MOUTH)) & (faces != 0)
+    return outside_of_mesh(mesh, np.maximum(faces, 0), mouth, mold.anatomy.finish_height_mm, thickness_at)
+
+
+def outside_of_mesh(
+    mesh: Mesh, faces: np.ndarray, mouth: np.ndarray, finish_height_mm: float, thickness_at: ThicknessAt
+) -> Outside:
+    """Return the outside of an upright, closed mesh whose vertices lie on the surface.
+
+    Parameters
+    ----------
     mesh : Mesh
-        Upright, closed; its vertices on the surface.
     faces : int array (m,)
         CAD face of each triangle, 0 without.
     mouth : bool array (m,)

@@ -17,7 +17,7 @@ struct Found {
 };
 
 class Tree {
-   public:
+public:
     explicit Tree(std::vector<Triangle> triangles) : triangles_(std::move(triangles)), order_(triangles_.size()) {
         std::iota(order_.begin(), order_.end(), 0);
         centres_.reserve(triangles_.size());
@@ -56,7 +56,7 @@ class Tree {
         return found;
     }
 
-   private:
+private:
     static constexpr std::int32_t kLeaf = 4;
 
     struct Node {
