@@ -1,4 +1,4 @@
-"""The outer point that decides about the wall: against closed forms, brute force and the two searches against each other."""
+"""The outer point that decides about the wall: against closed forms, brute force, and the two searches compared."""
 
 import numpy as np
 import pytest
