@@ -81,7 +81,7 @@ class NearestTriangles:
             if count == 0 or array.shape != (count, *shape) or not np.all(np.isfinite(array)):
                 raise InputError(
                     "triangles: there must be some, with three finite corners, normals and thicknesses each"
-                raise InputError("triangles: each needs three finite corners, normals and thicknesses, and one is needed")
+                )
         library = _library()
         self._search = _NumpySearch(self) if library is None else _NativeSearch(self, library)
 

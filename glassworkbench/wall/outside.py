@@ -1,6 +1,6 @@
 """The outside of a mold as every method and the measurement see it: small triangles, each with the thickness asked.
 
-The cavity that a thickness asks for is the set of points p that keep the distance t(s) from each point s of the outside.
+The cavity that a thickness asks for is the set of points p that keep the distance t(s) from every outer point s.
 `Outside.clearance` says how far inside that set a point lies: it is 0 on the wanted inner surface, whatever the method.
 """
 
