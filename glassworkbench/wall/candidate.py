@@ -1,0 +1,30 @@
+"""What a method hands over: a cavity, and the solid that it leaves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from glassworkbench.freecad import Part
+from glassworkbench.scene import Mesh, Surface
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A container that is not measured yet; all is upright.
+
+    Parameters
+    ----------
+    solid : Part.Shape or None
+        The glass, one closed solid; None where there are only meshes.
+    cavity : Surface or Part.Shape
+        What the tracer takes away from the outside; it reaches past the mouth.
+    inside : Mesh
+        The cavity closed level at the finish plane: what is measured, and what the capacity is taken from.
+    notes : tuple of str
+        Sentences that the user should read, like where the wall cannot be as thick as asked.
+    """
+
+    solid: Part.Shape | None
+    cavity: Surface | Part.Shape
+    inside: Mesh
+    notes: tuple[str, ...] = ()
