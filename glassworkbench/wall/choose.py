@@ -3,60 +3,41 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from glassworkbench.errors import GlassWorkbenchError, InputError
-from glassworkbench.freecad import Part
-from glassworkbench.mold import Mold, tessellate
+from glassworkbench.mold import Mold
 from glassworkbench.mold.mold import moved
-from glassworkbench.scene import Mesh, Revolved
 from glassworkbench.scene.validate import positive
 from glassworkbench.settings import unknown_name
-from glassworkbench.wall.container import Attempt, Container, SolidFacts, WallReport
-from glassworkbench.wall.measure import (
-    Volume,
-    WallMeasure,
-    clearance_to_mesh,
-    measure_mesh,
-    measure_revolved,
-    mesh_volume,
-    revolved_volume,
-    weight_g,
-)
-from glassworkbench.wall.profile import wall_meridian
-from glassworkbench.wall.revolved import offset_meridian
-from glassworkbench.wall.solids import hollow_solid, revolved_solid
-from glassworkbench.wall.thick_solid import thick_solid
-from glassworkbench.wall.thickness import Thickness, ThicknessOverHeight, UniformThickness, parse_thickness
+from glassworkbench.wall.asked import AskedThickness
+from glassworkbench.wall.attempt import MAKERS, Attempted, attempt
+from glassworkbench.wall.container import Attempt, Container, WallReport
+from glassworkbench.wall.thickness import Thickness, UniformThickness
+from glassworkbench.wall.thickness_text import parse_thickness
 from glassworkbench.wall.worker import run_in_worker
 
-METHODS = ("auto", "revolved", "thick_solid")
+METHODS = ("auto", *MAKERS)
 
 TOLERANCE_SHARE, TOLERANCE_MM = 0.02, 0.02
 """Unless told otherwise, 99 % of the wall must come out within this share of the thinnest wall, or this."""
 
-VOLUME_SHARE = 0.005
-"""The solid's volume, from its mesh, must agree this well with outside minus inside."""
 
-MEASURED_DEVIATION_MM = 0.05
-"""Deviation of the meshes that are measured; `measure` corrects for their facets."""
+@dataclass(frozen=True)
+class Rung:
+    """A method of the ladder, and the share of the time left that it may use."""
 
-THINNEST_SHARE = 0.5
-"""Where embossing goes into the body, at least this share of the wall must be left behind it."""
+    method: str
+    share: float
 
 
-@dataclass(frozen=True, eq=False)
-class _Candidate:
-    """What a method made: upright solid, cavity past the mouth, and their measures."""
-
-    solid: Part.Shape
-    cavity: Revolved | Part.Shape
-    wall: WallMeasure
-    capacity: Volume
-    glass: Volume
+ROUND = (Rung("revolved", 0.4), Rung("lofted", 0.5), Rung("thick_solid", 0.4), Rung("inner_mesh", 1.0))
+UNIFORM = (Rung("thick_solid", 0.3), Rung("lofted", 0.5), Rung("inner_mesh", 1.0))
+VARYING = (Rung("lofted", 0.5), Rung("inner_mesh", 1.0))
+MESHED = (Rung("lofted", 0.4), Rung("inner_mesh", 1.0))
+"""The ladders: for (nearly) round molds, for others with a wall that is the same everywhere or not, for meshes."""
 
 
 def hollow(
@@ -74,13 +55,13 @@ def hollow(
     mold : Mold
     thickness : Thickness, str or float
         A wall specification as `parse_thickness` reads it, or mm.
-    method : {"auto", "revolved", "thick_solid"}
-        Auto tries `revolved` first for (nearly) round molds, then `thick_solid`.
+    method : str
+        One of `METHODS`. Auto goes down a ladder of methods and takes the first whose result is good.
     tolerance_mm : float, optional
         What 99 % of the inner surface may deviate from the wall asked; 2 % of the thinnest wall, at least 0.02 mm,
         if not given.
     seconds : float
-        Time for all methods together; OCC's offset is stopped when it is over.
+        Time for all methods together. Each runs in a process of its own, which is stopped when its share is over.
 
     Raises
     ------
@@ -93,7 +74,7 @@ def hollow(
     thickness = as_thickness(thickness)
     if method not in METHODS:
         raise unknown_name("method", method, METHODS)
-    asked = thickness.over_height(mold.anatomy)
+    asked = thickness.on(mold)
     _check_fits(mold, asked)
     tolerance = (
         max(TOLERANCE_SHARE * asked.minimum_mm, TOLERANCE_MM)
@@ -101,156 +82,64 @@ def hollow(
         else positive(tolerance_mm, "tolerance_mm")
     )
     limit = positive(seconds, "seconds")
-
     attempts: list[Attempt] = []
-    for name, make in _MAKERS.items():
-        if method not in ("auto", name):
-            continue
+    impossible: list[InputError] = []
+    for rung in ladder(mold, asked) if method == "auto" else (Rung(method, 1.0),):
         begin = time.monotonic()
-        candidate = None
-        unsuitable = _UNSUITABLE[name](mold, asked)
-        if unsuitable:
-            outcome, why = "unsuitable", unsuitable
-        else:
-            try:
-                candidate = make(mold, asked, limit - (begin - start))
-                fault = _fault(candidate, tolerance)
-                outcome, why = ("rejected", fault) if fault else ("accepted", "")
-            except InputError:
-                raise
-            except GlassWorkbenchError as error:
-                outcome, why = "failed", str(error)
-        attempts.append(Attempt(name, outcome, why, time.monotonic() - begin))
+        share = rung.share * (limit - (begin - start))
+        attempted = None
+        try:
+            (attempted,) = run_in_worker(attempt, (mold, thickness, rung.method, tolerance, share), share)
+            outcome, why = ("rejected", attempted.fault) if attempted.fault else ("accepted", "")
+        except InputError as error:
+            outcome, why = "impossible", str(error)
+            impossible.append(error)
+        except GlassWorkbenchError as error:
+            outcome, why = "failed", str(error)
+        attempts.append(Attempt(rung.method, outcome, why, time.monotonic() - begin))
         if outcome == "accepted":
-            return _container(mold, thickness, name, candidate, attempts, tolerance, time.monotonic() - start)
-    story = "; ".join(f"{attempt.method}: {attempt.why}" for attempt in attempts)
+            return _container(mold, thickness, rung.method, attempted, attempts, tolerance, time.monotonic() - start)
+        if outcome == "impossible" and rung.method == "revolved":
+            break
+    if impossible:
+        raise impossible[-1]
+    story = "; ".join(f"{made.method}: {made.why}" for made in attempts)
     raise GlassWorkbenchError(
         f"{mold.name}: no method gives a wall of {thickness} mm within {tolerance:.3g} mm ({story}); "
         "ask for another wall, a larger tolerance or more time"
     )
 
 
+def ladder(mold: Mold, asked: AskedThickness) -> tuple[Rung, ...]:
+    """Return the methods that may do for a mold and a wall, the likeliest first."""
+    if mold.upright is None:
+        return MESHED
+    round_outside = mold.anatomy.is_revolved or mold.is_nearly_round
+    if round_outside and asked.over_height is not None:
+        return ROUND
+    uniform = asked.over_height is not None and asked.over_height.uniform_mm is not None
+    return UNIFORM if uniform and mold.anatomy.stem_top_mm == 0.0 else VARYING
+
+
 def as_thickness(value: Thickness | str | float) -> Thickness:
     """Return a thickness as data, whether it is given so, as text, or as a number of mm."""
     if isinstance(value, str):
         return parse_thickness(value)
-    return value if isinstance(value, Thickness) else UniformThickness(value)
+    return UniformThickness(value) if isinstance(value, (int, float, np.floating)) else value
 
 
-def _check_fits(mold: Mold, asked: ThicknessOverHeight) -> None:
+def _check_fits(mold: Mold, asked: AskedThickness) -> None:
     anatomy = mold.anatomy
     room = 0.5 * min(anatomy.smallest_width_mm, anatomy.height_mm)
     if asked.minimum_mm >= room:
         raise InputError(
             f"wall: {asked.minimum_mm:g} mm is thicker than {mold.name} allows; it must be below {room:.2f} mm"
         )
-    at_finish = float(asked.at(anatomy.finish_height_mm))
+    if asked.over_height is None or asked.bore_radius_mm is not None:
+        return
+    at_finish = float(asked.over_height.at(anatomy.finish_height_mm))
     if at_finish >= anatomy.finish_outer_radius_mm:
         raise InputError(
             f"wall: {at_finish:g} mm closes the mouth at height {anatomy.finish_height_mm:.1f} mm, where it must be "
             f"below {anatomy.finish_outer_radius_mm:.2f} mm"
         )
-
-
-def _revolved(mold: Mold, asked: ThicknessOverHeight, seconds: float) -> _Candidate:
-    wall = wall_meridian(mold.core, mold.anatomy, asked)
-    cavity = offset_meridian(wall, asked)
-    solid = hollow_solid(mold.upright, revolved_solid(cavity), mold.anatomy.finish_face)
-    capacity = revolved_volume(cavity.segments)
-    surface = Revolved(cavity.past_mouth)
-    if mold.anatomy.is_revolved:
-        glass = revolved_volume(mold.core).minus(capacity)
-    else:
-        outer = tessellate(mold.upright, MEASURED_DEVIATION_MM)
-        glass = mesh_volume(outer).minus(capacity)
-        _check_behind_embossing(outer, cavity.segments, mold, asked)
-    return _Candidate(solid, surface, measure_revolved(wall, cavity.segments, asked), capacity, glass)
-
-
-def _check_behind_embossing(outer: Mesh, cavity: np.ndarray, mold: Mold, asked: ThicknessOverHeight) -> None:
-    thinnest, place = clearance_to_mesh(outer, cavity, mold.anatomy.finish_height_mm - asked.maximum_mm)
-    if thinnest < THINNEST_SHARE * asked.minimum_mm:
-        raise GlassWorkbenchError(
-            f"the outside is not round: only {thinnest:.2f} mm of wall are left at height {place[2]:.1f} mm"
-        )
-
-
-def _thick_solid(mold: Mold, asked: ThicknessOverHeight, seconds: float) -> _Candidate:
-    arguments = {"finish_face": mold.anatomy.finish_face, "thickness_mm": asked.uniform_mm}
-    solid, cavity, past_mouth = run_in_worker(thick_solid, [mold.upright], arguments, seconds)
-    outer_mesh, cavity_mesh = tessellate(mold.upright, MEASURED_DEVIATION_MM), tessellate(cavity, MEASURED_DEVIATION_MM)
-    capacity = mesh_volume(cavity_mesh)
-    wall = measure_mesh(outer_mesh, cavity_mesh, mold.anatomy.finish_height_mm, asked)
-    return _Candidate(solid, past_mouth, wall, capacity, mesh_volume(outer_mesh).minus(capacity))
-
-
-def _not_round(mold: Mold, asked: ThicknessOverHeight) -> str:
-    if mold.anatomy.is_revolved or mold.is_nearly_round:
-        return ""
-    return f"the mold departs from a body of revolution by {mold.anatomy.departure_mm:.3g} mm"
-
-
-def _not_offsettable(mold: Mold, asked: ThicknessOverHeight) -> str:
-    if asked.uniform_mm is None:
-        return "OCC offsets by one thickness only, and the wall asked varies"
-    return "a stem would be hollowed too" if mold.anatomy.stem_top_mm > 0.0 else ""
-
-
-_MAKERS: dict[str, Callable[[Mold, ThicknessOverHeight, float], _Candidate]] = {
-    "revolved": _revolved,
-    "thick_solid": _thick_solid,
-}
-_UNSUITABLE = {"revolved": _not_round, "thick_solid": _not_offsettable}
-
-
-def _fault(candidate: _Candidate, tolerance_mm: float) -> str:
-    """Return what is wrong with a candidate, nothing if it is good."""
-    if candidate.wall.deviation_p99_mm > tolerance_mm:
-        return (
-            f"99 % of the wall is within {candidate.wall.deviation_p99_mm:.3g} mm of what was asked, "
-            f"but the tolerance is {tolerance_mm:.3g} mm"
-        )
-    facts = _facts(candidate.solid)
-    if not (facts.valid and facts.closed):
-        return "OCC calls the solid invalid or open"
-    volume = mesh_volume(tessellate(candidate.solid, MEASURED_DEVIATION_MM)).volume_mm3
-    expected = candidate.glass.volume_mm3
-    if abs(volume - expected) > VOLUME_SHARE * (expected + candidate.capacity.volume_mm3):
-        return f"the solid holds {volume:.0f} mm3, but outside minus inside is {expected:.0f} mm3"
-    return ""
-
-
-def _facts(solid: Part.Shape) -> SolidFacts:
-    closed = len(solid.Solids) == 1 and all(shell.isClosed() for shell in solid.Shells)
-    # A cavity that crosses itself never becomes a candidate: each method checks its own.
-    return SolidFacts(solid.isValid(), closed, False, len(solid.Faces))
-
-
-def _container(
-    mold: Mold,
-    thickness: Thickness,
-    method: str,
-    candidate: _Candidate,
-    attempts: list[Attempt],
-    tolerance_mm: float,
-    seconds: float,
-) -> Container:
-    solid = moved(candidate.solid, mold.placement)
-    report = WallReport(
-        method=method,
-        tried=tuple(attempts),
-        asked=str(thickness),
-        wall=replace(candidate.wall, minimum_at_mm=_in_cad(mold, candidate.wall.minimum_at_mm)),
-        tolerance_mm=tolerance_mm,
-        solid=_facts(solid),
-        glass_volume_mm3=candidate.glass.volume_mm3,
-        weight_g=weight_g(candidate.glass.volume_mm3),
-        brimful_ml=1e-3 * candidate.capacity.volume_mm3,
-        centre_of_gravity_mm=_in_cad(mold, candidate.glass.centroid_mm),
-        seconds=seconds,
-    )
-    return Container(mold, thickness, method, solid, candidate.cavity, report)
-
-
-def _in_cad(mold: Mold, point_mm: np.ndarray) -> np.ndarray:
-    return mold.placement[:3, :3] @ point_mm + mold.placement[:3, 3]

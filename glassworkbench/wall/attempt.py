@@ -1,0 +1,151 @@
+"""One method's try at a wall: made, measured and judged. It runs in a worker process."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from glassworkbench.freecad import Part
+from glassworkbench.mold import Mold, tessellate
+from glassworkbench.mold.tessellation import outside_mesh
+from glassworkbench.scene import Mesh, Revolved
+from glassworkbench.wall.asked import AskedThickness
+from glassworkbench.wall.candidate import Candidate
+from glassworkbench.wall.csg import csg
+from glassworkbench.wall.inner_mesh import inner_mesh
+from glassworkbench.wall.lofted import lofted
+from glassworkbench.wall.measure import WallMeasure, measure_wall
+from glassworkbench.wall.outside import Outside, outside
+from glassworkbench.wall.revolved import revolved
+from glassworkbench.wall.scaled import scaled, scaled_per_axis
+from glassworkbench.wall.self_intersection import self_intersections
+from glassworkbench.wall.thick_solid import thick_solid
+from glassworkbench.wall.thickness import Thickness
+from glassworkbench.wall.volumes import Volume, mesh_volume, revolved_volume
+
+MAKERS: dict[str, Callable[[Mold, AskedThickness, Outside, float], Candidate]] = {
+    "revolved": revolved,
+    "thick_solid": thick_solid,
+    "lofted": lofted,
+    "inner_mesh": inner_mesh,
+    "csg": csg,
+    "scaled": scaled,
+    "scaled_per_axis": scaled_per_axis,
+}
+
+THINNER_SHARE = 0.05
+"""Nowhere may the wall be thinner than asked by more than this share of it."""
+
+VOLUME_SHARE = 0.005
+"""The solid's volume, from its mesh, must agree this well with outside minus inside."""
+
+MESH_DEVIATION_MM = 0.05
+"""Deviation of the meshes that volumes are taken from, which make up for their facets."""
+
+
+@dataclass(frozen=True)
+class SolidFacts:
+    """What OCC and the meshes say of the glass; faces are those of the solid, or the triangles where there is none."""
+
+    valid: bool
+    closed: bool
+    self_intersecting: bool
+    faces: int
+
+
+@dataclass(frozen=True, eq=False)
+class Attempted:
+    """What a method made, and how good it is.
+
+    Parameters
+    ----------
+    candidate : Candidate
+    wall : WallMeasure
+    solid : SolidFacts
+    capacity, glass : Volume
+        Of the cavity up to the finish plane, and of the glass; upright.
+    fault : str
+        Why it is not good enough; empty if it is.
+    """
+
+    candidate: Candidate
+    wall: WallMeasure
+    solid: SolidFacts
+    capacity: Volume
+    glass: Volume
+    fault: str
+
+
+def attempt(mold: Mold, thickness: Thickness, method: str, tolerance_mm: float, seconds: float) -> Attempted:
+    """Return what one method makes of a mold, measured.
+
+    Raises
+    ------
+    InputError
+        If the wall cannot be: the message says where, and how much fits.
+    GlassWorkbenchError
+        If the method fails.
+    """
+    asked = thickness.on(mold)
+    wall = outside(mold, asked.at)
+    candidate = MAKERS[method](mold, asked, wall, seconds)
+    measured = measure_wall(candidate.inside, wall, stem_top_mm=mold.anatomy.stem_top_mm)
+    capacity = _capacity(candidate)
+    glass = _outer_volume(mold).minus(capacity)
+    solid = _facts(candidate)
+    fault = _fault(candidate, measured, solid, capacity, glass, tolerance_mm)
+    return Attempted(candidate, measured, solid, capacity, glass, fault)
+
+
+def _capacity(candidate: Candidate) -> Volume:
+    if candidate.chain is not None:
+        return revolved_volume(candidate.chain)
+    return mesh_volume(candidate.inside)
+
+
+def _outer_volume(mold: Mold) -> Volume:
+    if mold.anatomy.is_revolved and mold.core is not None:
+        return revolved_volume(mold.core)
+    return mesh_volume(outside_mesh(mold, MESH_DEVIATION_MM)[0])
+
+
+def _facts(candidate: Candidate) -> SolidFacts:
+    crossing = len(self_intersections(candidate.inside)) > 0
+    solid = candidate.solid
+    if solid is None:
+        return SolidFacts(True, True, crossing, len(candidate.inside.triangles))
+    closed = len(solid.Solids) == 1 and all(shell.isClosed() for shell in solid.Shells)
+    return SolidFacts(solid.isValid(), closed, crossing, len(solid.Faces))
+
+
+def _fault(
+    candidate: Candidate,
+    wall: WallMeasure,
+    solid: SolidFacts,
+    capacity: Volume,
+    glass: Volume,
+    tolerance_mm: float,
+) -> str:
+    if wall.deviation_p99_mm > tolerance_mm:
+        return (
+            f"99 % of the wall is within {wall.deviation_p99_mm:.3g} mm of what was asked, "
+            f"but the tolerance is {tolerance_mm:.3g} mm"
+        )
+    if wall.thinner_than_asked_max > THINNER_SHARE:
+        x, y, z = wall.minimum_at_mm
+        angle = np.degrees(np.arctan2(y, x))
+        return (
+            f"it is {100.0 * wall.thinner_than_asked_max:.0f} % thinner than asked somewhere; its thinnest place, "
+            f"{wall.minimum_mm:.3g} mm, is at height {z:.1f} mm, {angle:.0f} degrees"
+        )
+    if solid.self_intersecting:
+        return "the inside crosses itself"
+    if not (solid.valid and solid.closed):
+        return "OCC calls the solid invalid or open"
+    if candidate.solid is not None:
+        volume = mesh_volume(tessellate(candidate.solid, MESH_DEVIATION_MM)).volume_mm3
+        if abs(volume - glass.volume_mm3) > VOLUME_SHARE * (glass.volume_mm3 + capacity.volume_mm3):
+            return f"the solid holds {volume:.0f} mm3, but outside minus inside is {glass.volume_mm3:.0f} mm3"
+    return ""
