@@ -131,6 +131,14 @@ def test_below_the_first_zone_all_is_glass(square):
     assert volume_of(made.cavity) == pytest.approx(section_area(3.0) * 60.0, rel=1e-3)
 
 
+def test_a_stem_thinner_than_two_walls_stays_full():
+    stem, bowl = Part.makeCylinder(3, 40), Part.makeCylinder(30, 60, FreeCAD.Vector(0, 0, 40))
+    solid = stem.fuse(bowl).Solids[0]
+    made = thick_wall(solid, finish_of(solid), [(44.0, HEIGHT, 4.0)])
+    assert volume_of(made.cavity) == pytest.approx(np.pi * 26**2 * 56, rel=1e-3)
+    assert volume_of(made.solid) == pytest.approx(np.pi * (9 * 40 + 900 * 60 - 676 * 56), rel=2e-3)
+
+
 def test_a_smooth_wall_becomes_a_stair_within_the_deviation():
     heights = np.linspace(0.0, 100.0, 401)
     asked = 3.0 + np.sin(heights / 20.0)
@@ -167,7 +175,7 @@ def test_a_way_that_hangs_leaves_time_for_the_others(square, monkeypatch):
     assert made.tries[2].endswith("good")
 
 
-def hang_unless_last(outer, finish_face, thickness_mm, ways):
+def hang_unless_last(outer, finish_face, thickness_mm, ways, floor_mm):
     import os
     import time
 

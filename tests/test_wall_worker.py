@@ -134,6 +134,14 @@ def test_a_worker_whose_parent_was_killed_ends_by_itself(tmp_path, monkeypatch):
     assert not is_running(pid)
 
 
+def test_a_package_of_the_same_name_in_the_working_directory_is_not_taken(tmp_path, monkeypatch):
+    (tmp_path / "glassworkbench").mkdir()
+    (tmp_path / "glassworkbench" / "__init__.py").write_text("raise SystemExit(3)")
+    monkeypatch.chdir(tmp_path)
+    (solid,) = run_in_worker(fuse, [Part.makeBox(1, 1, 1), Part.makeBox(1, 1, 1)], {"shift_mm": 1.0}, 60.0)
+    assert solid.Volume == pytest.approx(2.0)
+
+
 def test_a_failure_says_why():
     with pytest.raises(GlassWorkbenchError, match="the offset is empty"):
         run_in_worker(fail, [Part.makeBox(1, 1, 1)], {}, 60.0)

@@ -10,11 +10,13 @@ from glassworkbench.errors import GlassWorkbenchError
 from glassworkbench.freecad import Part
 from glassworkbench.wall.healing import healed
 from glassworkbench.wall.offset_check import check_offset, check_solid
-from glassworkbench.wall.offset_ways import LIP_HEIGHT_MM, WAYS, below, cavity_past_mouth
+from glassworkbench.wall.offset_ways import LIP_HEIGHT_MM, WAYS, above, below, cavity_past_mouth
 from glassworkbench.wall.solids import hollow_solid
 
 
-def thick_solid(outer: Part.Shape, finish_face: int, thickness_mm: float, ways: Sequence[str] = ()) -> list[Part.Shape]:
+def thick_solid(
+    outer: Part.Shape, finish_face: int, thickness_mm: float, ways: Sequence[str] = (), floor_mm: float = 0.0
+) -> list[Part.Shape]:
     """Return the hollow solid, its cavity up to the finish plane, and the cavity reaching past the mouth.
 
     Parameters
@@ -26,6 +28,8 @@ def thick_solid(outer: Part.Shape, finish_face: int, thickness_mm: float, ways: 
     thickness_mm : float
     ways : sequence of str
         Names of `WAYS`, tried in turn; all of them if none is given.
+    floor_mm : float
+        The cavity ends level at this height; 0 for a floor that follows the base.
 
     Raises
     ------
@@ -33,30 +37,31 @@ def thick_solid(outer: Part.Shape, finish_face: int, thickness_mm: float, ways: 
         If none of the ways gives a closed, valid cavity with the wall asked; the message says why.
     """
     reasons = []
-    whole, finish_face = _healed(outer, finish_face)
-    height = whole.Faces[finish_face - 1].CenterOfMass.z
+    whole = healed(outer)
+    cut = floor_mm - thickness_mm
+    body = above(whole, cut) if floor_mm > 0.0 and cut > 0.0 else whole
+    finish = outer.Faces[finish_face - 1]
+    height = finish.CenterOfMass.z
     for way in (WAYS[name] for name in ways or WAYS):
         try:
-            past_mouth = cavity_past_mouth(whole, finish_face, thickness_mm, way)
+            past_mouth = cavity_past_mouth(body, _number(body, finish), thickness_mm, way)
             cavity = below(past_mouth, height)
             check_solid(cavity)
-            check_offset(whole, cavity, height, thickness_mm, max(LIP_HEIGHT_MM, 2.0 * thickness_mm))
-            return [hollowed(whole, cavity, past_mouth, finish_face), cavity, past_mouth]
+            check_offset(body, cavity, height, thickness_mm, max(LIP_HEIGHT_MM, 2.0 * thickness_mm))
+            return [hollowed(whole, cavity, past_mouth, _number(whole, finish)), cavity, past_mouth]
         # OCC raises errors of many kinds, which derive from Exception only.
         except Exception as error:
             reasons.append(str(error).strip() or type(error).__name__)
     raise GlassWorkbenchError(", or ".join(dict.fromkeys(reasons)))
 
 
-def _healed(outer: Part.Shape, finish_face: int) -> tuple[Part.Shape, int]:
-    """Return the solid without kinks inside its faces, and the number that its finish has there."""
-    whole = healed(outer)
-    finish = outer.Faces[finish_face - 1]
+def _number(solid: Part.Shape, finish: Part.Face) -> int:
+    """Return the 1-based number that the finish has in a solid of which some other faces were cut."""
     gaps = [
         (face.CenterOfMass - finish.CenterOfMass).Length + abs(face.Area - finish.Area) / finish.Length
-        for face in whole.Faces
+        for face in solid.Faces
     ]
-    return whole, 1 + int(np.argmin(gaps))
+    return 1 + int(np.argmin(gaps))
 
 
 def hollowed(outer: Part.Shape, cavity: Part.Shape, past_mouth: Part.Shape, finish_face: int) -> Part.Shape:

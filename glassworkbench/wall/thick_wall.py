@@ -13,7 +13,7 @@ from glassworkbench.wall.thick_solid import thick_solid
 from glassworkbench.wall.worker import run_in_worker
 from glassworkbench.wall.zones import Zone, check_zones, join_zones
 
-TRY_SHARE = 0.3
+TRY_SHARE = 0.5
 """No try gets more than this share of the time that is left, so that one which hangs leaves time for others."""
 
 SHORTEST_TRY_SECONDS = 2.0
@@ -75,11 +75,12 @@ def thick_wall(
             f"bore: {bore_mm:g} mm do not fit into the finish; it must be below {2.0 * _largest_bore_radius(finish):g}"
         )
     tries: list[str] = []
-    if len(zones) == 1 and zones[0][0] <= 0.0 and bore_mm is None:
-        return ThickWall(*_offset(outer, finish_face, zones[0][2], deadline, tries), tuple(tries))
+    floor = zones[0][0]
+    if len(zones) == 1 and bore_mm is None:
+        return ThickWall(*_offset(outer, finish_face, zones[0][2], floor, deadline, tries), tuple(tries))
     offset_zones = zones if bore_mm is None else zones[:-1]
     thicknesses = list(dict.fromkeys(thickness for _, _, thickness in offset_zones))
-    cavities = [_offset(outer, finish_face, thickness, deadline, tries)[2] for thickness in thicknesses]
+    cavities = [_offset(outer, finish_face, thickness, floor, deadline, tries)[2] for thickness in thicknesses]
     arguments = {"finish_face": finish_face, "zones": zones, "thicknesses_mm": thicknesses, "bore_mm": bore_mm}
     try:
         shapes = run_in_worker(join_zones, [outer, *cavities], arguments, deadline - time.monotonic())
@@ -94,7 +95,7 @@ def _largest_bore_radius(finish: Part.Face) -> float:
 
 
 def _offset(
-    outer: Part.Shape, finish_face: int, thickness_mm: float, deadline: float, tries: list[str]
+    outer: Part.Shape, finish_face: int, thickness_mm: float, floor_mm: float, deadline: float, tries: list[str]
 ) -> list[Part.Shape]:
     """Return what the first good way gives for one thickness; every outcome is added to the tries."""
     first = len(tries)
@@ -103,7 +104,7 @@ def _offset(
         if left < SHORTEST_TRY_SECONDS:
             tries.append(f"{thickness_mm:g} mm: no time is left for other ways")
             break
-        arguments = {"finish_face": finish_face, "thickness_mm": thickness_mm, "ways": [way]}
+        arguments = {"finish_face": finish_face, "thickness_mm": thickness_mm, "ways": [way], "floor_mm": floor_mm}
         try:
             shapes = run_in_worker(thick_solid, [outer], arguments, max(TRY_SHARE * left, SHORTEST_TRY_SECONDS))
         except GlassWorkbenchError as error:

@@ -124,6 +124,8 @@ def _wait(folder: Path, seconds: float) -> int:
     environment = {
         **os.environ,
         "PYTHONPATH": os.pathsep.join([package_root, os.environ.get("PYTHONPATH", "")]),
+        # The worker takes its code from here, also where another copy lies in the working directory.
+        "PYTHONSAFEPATH": "1",
         # What a killed worker leaves behind goes with the folder.
         **dict.fromkeys(("TMPDIR", "TEMP", "TMP"), str(folder)),
     }
