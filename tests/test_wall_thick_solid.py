@@ -7,7 +7,7 @@ from glassworkbench.wall import thick_wall as method
 from glassworkbench.wall.healing import has_kinks, healed
 from glassworkbench.wall.offset_check import check_offset, facets, facets_volume
 from glassworkbench.wall.offset_ways import WAYS, cavity_past_mouth
-from glassworkbench.wall.thick_wall import thick_wall
+from glassworkbench.wall.thick_wall import thick_wall, thick_wall_per_face
 from glassworkbench.wall.zones import zones_over_height
 
 HEIGHT, HALF, CORNER = 100.0, 30.0, 10.0
@@ -185,3 +185,28 @@ def hang_unless_last(outer, finish_face, thickness_mm, ways, floor_mm):
     if ways == names[1:2]:
         os.abort()
     return [outer, outer, outer]
+
+
+def test_faces_across_sharp_edges_have_walls_of_their_own():
+    box = Part.makeBox(60, 60, 100, FreeCAD.Vector(-30, -30, 0))
+    numbers = {tuple(round(x) for x in face.normalAt(0, 0)): n for n, face in enumerate(box.Faces, start=1)}
+    faces = [(numbers[0, 0, -1], 8.0), (numbers[1, 0, 0], 2.0), (numbers[0, 1, 0], 5.0)]
+    made = thick_wall_per_face(box, finish_of(box), 3.0, faces)
+    low, high = facets(made.cavity, 0.1).min(axis=(0, 1)), facets(made.cavity, 0.1).max(axis=(0, 1))
+    assert low == pytest.approx([-27, -27, 8], abs=1e-5)
+    assert high == pytest.approx([28, 25, 100], abs=1e-5)
+    assert volume_of(made.solid) == pytest.approx(60 * 60 * 100 - 55 * 52 * 92, rel=1e-6)
+
+
+def test_a_round_vessel_has_a_base_of_its_own():
+    cylinder = Part.makeCylinder(30, 80)
+    base = 1 + min(range(3), key=lambda number: cylinder.Faces[number].CenterOfMass.z)
+    for thickness in (6.0, 1.5):
+        made = thick_wall_per_face(cylinder, finish_of(cylinder), 3.0, [(base, thickness)])
+        assert volume_of(made.cavity) == pytest.approx(np.pi * 27**2 * (80 - thickness), rel=1e-3)
+
+
+def test_a_face_that_meets_its_neighbours_smoothly_is_refused(square):
+    side = next(n for n, face in enumerate(square.Faces, start=1) if face.CenterOfMass.x < -HALF + 1e-6)
+    with pytest.raises(InputError, match="smoothly"):
+        thick_wall_per_face(square, finish_of(square), 3.0, [(side, 5.0)])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from glassworkbench.errors import GlassWorkbenchError
@@ -89,6 +91,41 @@ def check_offset(
     volume, estimate = facets_volume(inside), _estimate(outside, walls, finish_height_mm, thickness_mm)
     if abs(volume - estimate) > VOLUME_SHARE * estimate:
         raise GlassWorkbenchError(f"the cavity holds {1e-3 * volume:.1f} ml, where {1e-3 * estimate:.1f} ml must be")
+
+
+def check_faces(
+    outer: Part.Shape, cavity: Part.Shape, finish_face: int, thicknesses_mm: Sequence[float], lip_height_mm: float
+) -> None:
+    """Raise unless a cavity leaves each face of the outside its own wall.
+
+    Parameters
+    ----------
+    outer, cavity : Part.Shape
+        Upright solids; the cavity ends at the finish plane.
+    finish_face : int
+        1-based number of the planar face at the mouth.
+    thicknesses_mm : sequence of float
+        Of each face of the outside, in their order.
+    lip_height_mm : float
+        As in `check_offset`.
+
+    Raises
+    ------
+    GlassWorkbenchError
+        If a face has less than its wall, or a part of the inside is farther than it must be from all faces.
+    """
+    thinnest = min(thicknesses_mm)
+    deviation = min(FACET_SHARE * thinnest, FACET_MM)
+    points, _ = _spread(facets(cavity, deviation))
+    points = points[points[:, 2] < outer.Faces[finish_face - 1].CenterOfMass.z - lip_height_mm]
+    excess = np.full(len(points), np.inf)
+    for number, (face, thickness) in enumerate(zip(outer.Faces, thicknesses_mm, strict=True), start=1):
+        if number != finish_face:
+            excess = np.minimum(excess, _distance(points, facets(face, deviation)) - thickness)
+    if len(excess) and excess.min() < -(1.0 - THINNEST_SHARE) * thinnest - deviation:
+        raise GlassWorkbenchError(f"a face's wall is {-excess.min():.2f} mm thinner than what was asked")
+    if np.mean(excess > WALL_SHARE * thinnest + deviation) > 1.0 - GOOD_SHARE:
+        raise GlassWorkbenchError("a face's wall is thicker than what was asked")
 
 
 def facets(solid: Part.Shape, deviation_mm: float) -> np.ndarray:

@@ -156,6 +156,8 @@ def _with_collar(walls: Sequence[Part.Face], height: float) -> Part.Shape:
     collar = [edge.extrude(FreeCAD.Vector(0, 0, rise)) for edge in boundary]
     shell = Part.Shell([*walls, *(face for sheet in collar for face in sheet.Faces)])
     shell.sewShape(1e-6)
+    if shell.ShapeType != "Shell":
+        raise GlassWorkbenchError("the walls fall apart without the finish and the heel")
     return shell
 
 

@@ -44,18 +44,18 @@ def thick_solid(
     height = finish.CenterOfMass.z
     for way in (WAYS[name] for name in ways or WAYS):
         try:
-            past_mouth = cavity_past_mouth(body, _number(body, finish), thickness_mm, way)
+            past_mouth = cavity_past_mouth(body, number_of(finish, body), thickness_mm, way)
             cavity = below(past_mouth, height)
             check_solid(cavity)
             check_offset(body, cavity, height, thickness_mm, max(LIP_HEIGHT_MM, 2.0 * thickness_mm))
-            return [hollowed(whole, cavity, past_mouth, _number(whole, finish)), cavity, past_mouth]
+            return [hollowed(whole, cavity, past_mouth, number_of(finish, whole)), cavity, past_mouth]
         # OCC raises errors of many kinds, which derive from Exception only.
         except Exception as error:
             reasons.append(str(error).strip() or type(error).__name__)
     raise GlassWorkbenchError(", or ".join(dict.fromkeys(reasons)))
 
 
-def _number(solid: Part.Shape, finish: Part.Face) -> int:
+def number_of(finish: Part.Face, solid: Part.Shape) -> int:
     """Return the 1-based number that the finish has in a solid of which some other faces were cut."""
     gaps = [
         (face.CenterOfMass - finish.CenterOfMass).Length + abs(face.Area - finish.Area) / finish.Length

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from glassworkbench.errors import GlassWorkbenchError, InputError
 from glassworkbench.freecad import Part
 from glassworkbench.wall.offset_ways import WAYS
+from glassworkbench.wall.per_face import FaceThickness, check_face, per_face_solid
 from glassworkbench.wall.thick_solid import thick_solid
 from glassworkbench.wall.worker import run_in_worker
 from glassworkbench.wall.zones import Zone, check_zones, join_zones
@@ -75,12 +76,15 @@ def thick_wall(
             f"bore: {bore_mm:g} mm do not fit into the finish; it must be below {2.0 * _largest_bore_radius(finish):g}"
         )
     tries: list[str] = []
-    floor = zones[0][0]
-    if len(zones) == 1 and bore_mm is None:
-        return ThickWall(*_offset(outer, finish_face, zones[0][2], floor, deadline, tries), tuple(tries))
     offset_zones = zones if bore_mm is None else zones[:-1]
     thicknesses = list(dict.fromkeys(thickness for _, _, thickness in offset_zones))
-    cavities = [_offset(outer, finish_face, thickness, floor, deadline, tries)[2] for thickness in thicknesses]
+    made = []
+    for thickness in thicknesses:
+        arguments = {"finish_face": finish_face, "thickness_mm": thickness, "floor_mm": zones[0][0]}
+        made.append(_first_good(thick_solid, outer, arguments, deadline, tries))
+    if len(zones) == 1 and bore_mm is None:
+        return ThickWall(*made[0], tuple(tries))
+    cavities = [past_mouth for _, _, past_mouth in made]
     arguments = {"finish_face": finish_face, "zones": zones, "thicknesses_mm": thicknesses, "bore_mm": bore_mm}
     try:
         shapes = run_in_worker(join_zones, [outer, *cavities], arguments, deadline - time.monotonic())
@@ -94,22 +98,60 @@ def _largest_bore_radius(finish: Part.Face) -> float:
     return min((point.x**2 + point.y**2) ** 0.5 for point in finish.OuterWire.discretize(Number=256))
 
 
-def _offset(
-    outer: Part.Shape, finish_face: int, thickness_mm: float, floor_mm: float, deadline: float, tries: list[str]
+def thick_wall_per_face(
+    outer: Part.Shape,
+    finish_face: int,
+    thickness_mm: float,
+    faces: Sequence[FaceThickness],
+    seconds: float = 120.0,
+) -> ThickWall:
+    """Return a container with walls of their own behind planar faces bounded by sharp edges.
+
+    Parameters
+    ----------
+    outer, finish_face, seconds
+        As in `thick_wall`.
+    thickness_mm : float
+        Of all faces but those named.
+    faces : sequence of (face, thickness_mm)
+        1-based numbers of faces.
+
+    Raises
+    ------
+    InputError
+        If a face is not planar, or meets a neighbour smoothly.
+    GlassWorkbenchError
+        If no way leads to the walls asked; the message holds all tries.
+    """
+    for number, _ in faces:
+        check_face(outer, number, finish_face)
+    tries: list[str] = []
+    arguments = {"finish_face": finish_face, "thickness_mm": thickness_mm, "faces": faces}
+    shapes = _first_good(per_face_solid, outer, arguments, time.monotonic() + seconds, tries)
+    return ThickWall(*shapes, tuple(tries))
+
+
+def _first_good(
+    job: Callable[..., list[Part.Shape]],
+    outer: Part.Shape,
+    arguments: dict[str, object],
+    deadline: float,
+    tries: list[str],
 ) -> list[Part.Shape]:
-    """Return what the first good way gives for one thickness; every outcome is added to the tries."""
+    """Return what a job makes of the outside by the first good way; every outcome is added to the tries."""
     first = len(tries)
     for way in WAYS:
         left = deadline - time.monotonic()
+        label = f"{arguments['thickness_mm']:g} mm"
         if left < SHORTEST_TRY_SECONDS:
-            tries.append(f"{thickness_mm:g} mm: no time is left for other ways")
+            tries.append(f"{label}: no time is left for other ways")
             break
-        arguments = {"finish_face": finish_face, "thickness_mm": thickness_mm, "ways": [way], "floor_mm": floor_mm}
         try:
-            shapes = run_in_worker(thick_solid, [outer], arguments, max(TRY_SHARE * left, SHORTEST_TRY_SECONDS))
+            share = max(TRY_SHARE * left, SHORTEST_TRY_SECONDS)
+            shapes = run_in_worker(job, [outer], {**arguments, "ways": [way]}, share)
         except GlassWorkbenchError as error:
-            tries.append(f"{thickness_mm:g} mm, {way}: {error}")
+            tries.append(f"{label}, {way}: {error}")
         else:
-            tries.append(f"{thickness_mm:g} mm, {way}: good")
+            tries.append(f"{label}, {way}: good")
             return shapes
-    raise GlassWorkbenchError("; ".join(tries[first:]))
+    raise GlassWorkbenchError("; ".join(dict.fromkeys(tries[first:])))
