@@ -10,10 +10,10 @@ from glassworkbench.errors import GlassWorkbenchError
 from glassworkbench.freecad import Part
 from glassworkbench.wall.distance import nearest_on_mesh
 
-SAMPLES = 400
+SAMPLES = 250
 """Points of the inside that are compared with the outside, and the other way round."""
 
-COLUMNS_PER_SIDE, POINTS_PER_COLUMN = 13, 5
+COLUMNS_PER_SIDE, POINTS_PER_COLUMN = 11, 5
 """Points in the body, from which the cavity's volume is estimated."""
 
 WALL_SHARE, GOOD_SHARE = 0.04, 0.95
@@ -22,7 +22,7 @@ WALL_SHARE, GOOD_SHARE = 0.04, 0.95
 THINNEST_SHARE = 0.93
 """Nowhere below the lip may the wall be thinner than this share of what was asked."""
 
-VOLUME_SHARE = 0.06
+VOLUME_SHARE = 0.08
 """How well the cavity's volume must agree with the estimate, whose own error is about half of this."""
 
 FACET_SHARE, FACET_MM = 0.05, 0.1
