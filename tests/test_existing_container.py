@@ -10,7 +10,7 @@ from glassworkbench.freecad import FreeCAD, Part
 from glassworkbench.mold import inspect, mold_from_shape, read_mold
 from glassworkbench.scene import Mesh, Revolved
 from glassworkbench.staging import station
-from glassworkbench.wall import container_from_shape, hollow, read_container, thick_solid
+from glassworkbench.wall import container_from_shape, hollow, offset_check, read_container
 from glassworkbench.wall.measure import mesh_volume, revolved_volume
 
 RADIUS, HEIGHT, WALL, BASE = 30.0, 90.0, 3.0, 4.0
@@ -154,7 +154,7 @@ def test_an_offset_that_crosses_itself_is_told_in_a_designers_words():
             raise ValueError("BOP check found the following errors:\nError in Face: BOPAlgo SelfIntersect\n")
 
     with pytest.raises(GlassWorkbenchError) as caught:
-        thick_solid._check(Crossing(), 1.0)
+        offset_check.check_solid(Crossing())
     assert str(caught.value) == "the offset surface crosses itself"
 
 

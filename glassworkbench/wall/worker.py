@@ -1,6 +1,6 @@
 """Runs one function on OCC shapes in a process of its own, which may hang or crash without harm.
 
-As a program, ``python -m glassworkbench.wall.worker FOLDER`` does the job that lies in the folder.
+The other process calls `work` on the folder that the job lies in.
 """
 
 from __future__ import annotations
@@ -14,7 +14,6 @@ import signal
 import subprocess
 import sys
 import tempfile
-import time
 import traceback
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -27,6 +26,18 @@ if TYPE_CHECKING:
 
 MEMORY_BYTES = 4 << 30
 """What a job may allocate (address space) where the system can limit it."""
+
+OUTPUT = "output.txt"
+"""Where a job's output goes, in its folder."""
+
+OUT_OF_MEMORY = ("bad_alloc", "OutOfMemory", "MemoryError")
+"""What C++, OCC and Python write when an allocation fails."""
+
+STARVED_SHARE = 0.5
+"""A job that has had this share of its memory and fails is taken to have wanted more: much of the rest is code."""
+
+GRACE_SECONDS = 5.0
+"""A job whose parent is gone ends by itself this much after its time."""
 
 
 def run_in_worker(
@@ -66,13 +77,14 @@ def run_in_worker(
             "shapes": len(shapes),
             "arguments": arguments,
             "memory_bytes": memory_bytes,
+            "lifetime_seconds": seconds + GRACE_SECONDS,
             "path": sys.path,
         }
         (folder / "job.json").write_text(json.dumps(job), encoding="utf-8")
         exit_code = _wait(folder, seconds)
         result = folder / "result.json"
         if not result.exists():
-            raise GlassWorkbenchError(f"the worker process crashed ({_death(exit_code)})")
+            raise GlassWorkbenchError(f"the worker process {_death(exit_code, folder / OUTPUT, memory_bytes)}")
         answer = json.loads(result.read_text(encoding="utf-8"))
         if "error" in answer:
             raise GlassWorkbenchError(answer["error"])
@@ -109,10 +121,17 @@ def interpreter() -> str:
 def _wait(folder: Path, seconds: float) -> int:
     """Run the worker on a folder and return its exit code; kill it and its children when the time is over."""
     package_root = str(Path(__file__).resolve().parents[2])
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([package_root, os.environ.get("PYTHONPATH", "")])}
-    with (folder / "output.txt").open("wb") as output:
+    environment = {
+        **os.environ,
+        "PYTHONPATH": os.pathsep.join([package_root, os.environ.get("PYTHONPATH", "")]),
+        # The worker takes its code from here, also where another copy lies in the working directory.
+        "PYTHONSAFEPATH": "1",
+        # What a killed worker leaves behind goes with the folder.
+        **dict.fromkeys(("TMPDIR", "TEMP", "TMP"), str(folder)),
+    }
+    with (folder / OUTPUT).open("wb") as output:
         process = subprocess.Popen(
-            [interpreter(), "-m", "glassworkbench.wall.worker", str(folder)],
+            [interpreter(), "-c", f"from {__name__} import work; work({str(folder)!r})"],
             stdin=subprocess.DEVNULL,
             stdout=output,
             stderr=output,
@@ -123,7 +142,7 @@ def _wait(folder: Path, seconds: float) -> int:
             return process.wait(timeout=max(seconds, 0.0))
         except subprocess.TimeoutExpired as error:
             _kill(process)
-            raise GlassWorkbenchError(f"it did not finish within {seconds:.0f} s and was stopped") from error
+            raise GlassWorkbenchError(f"it did not finish within {seconds:.3g} s and was stopped") from error
         except BaseException:
             _kill(process)
             raise
@@ -139,21 +158,29 @@ def _kill(process: subprocess.Popen) -> None:
     process.wait()
 
 
-def _death(exit_code: int) -> str:
+def _death(exit_code: int, output: Path, memory_bytes: int) -> str:
+    """Return how a worker ended that left no result, as the end of a sentence."""
+    told = output.read_text(encoding="utf-8", errors="replace").strip()
+    if any(sign in told for sign in OUT_OF_MEMORY):
+        return _too_much(memory_bytes)
     if exit_code >= 0:
-        return f"exit code {exit_code}"
+        return f"crashed (exit code {exit_code}: {told.splitlines()[-1] if told else 'it told nothing'})"
     try:
-        return signal.Signals(-exit_code).name
+        return f"crashed ({signal.Signals(-exit_code).name})"
     except ValueError:
-        return f"signal {-exit_code}"
+        return f"crashed (signal {-exit_code})"
 
 
-def _work(folder: Path) -> None:
+def work(name: str) -> None:
+    """Do the job that lies in a folder, and leave its result there."""
     from glassworkbench.freecad import Part
 
+    folder = Path(name)
     job = json.loads((folder / "job.json").read_text(encoding="utf-8"))
     sys.path.extend(entry for entry in job["path"] if entry not in sys.path)
+    _die_of_crashes()
     _limit_memory(job["memory_bytes"])
+    _limit_time(job["lifetime_seconds"])
     try:
         function = getattr(importlib.import_module(job["module"]), job["function"])
         shapes = []
@@ -165,15 +192,33 @@ def _work(folder: Path) -> None:
         for number, shape in enumerate(outputs):
             shape.exportBrep(str(folder / f"out{number}.brep"))
         answer = {"shapes": len(outputs)}
-    except MemoryError:
-        answer = {"error": f"it needs more than {job['memory_bytes'] / (1 << 30):.1f} GB of memory"}
     # Part.OCCError and friends derive from Exception only; whatever fails here is an outcome for the parent to report.
     except Exception as error:
         traceback.print_exc()
-        answer = {"error": str(error) or type(error).__name__}
+        # FreeCAD says of an allocation that failed in C++ only that an exception is unknown.
+        starved = isinstance(error, MemoryError) or _peak_bytes() > STARVED_SHARE * job["memory_bytes"]
+        why = _too_much(job["memory_bytes"]) if starved else str(error).strip() or type(error).__name__
+        answer = {"error": f"it {why}" if starved else why}
     aside = folder / "result.json.part"
     aside.write_text(json.dumps(answer), encoding="utf-8")
     aside.rename(folder / "result.json")
+
+
+def _too_much(memory_bytes: int) -> str:
+    return f"needs more than {memory_bytes / (1 << 30):.1f} GB of memory"
+
+
+def _die_of_crashes() -> None:
+    """Undo FreeCAD's handlers, which hide by which signal a process dies."""
+    for name in ("SIGSEGV", "SIGABRT", "SIGFPE", "SIGILL", "SIGBUS"):
+        if hasattr(signal, name):
+            signal.signal(getattr(signal, name), signal.SIG_DFL)
+
+
+def _limit_time(seconds: float) -> None:
+    # The signal's default action ends the process also while OCC computes, where no Python code runs.
+    if hasattr(signal, "setitimer"):
+        signal.setitimer(signal.ITIMER_REAL, seconds)
 
 
 def _limit_memory(memory_bytes: int) -> None:
@@ -185,7 +230,11 @@ def _limit_memory(memory_bytes: int) -> None:
     resource.setrlimit(resource.RLIMIT_AS, (memory_bytes, memory_bytes))
 
 
-if __name__ == "__main__":
-    start = time.monotonic()
-    _work(Path(sys.argv[1]))
-    print(f"{time.monotonic() - start:.2f} s")
+def _peak_bytes() -> int:
+    """Return the most memory that this process has had; 0 where the system does not tell."""
+    try:
+        import resource
+    except ImportError:
+        return 0
+    # In kilobytes, but on macOS in bytes.
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)

@@ -1,0 +1,157 @@
+"""The method `thick_solid`: OCC's offset by way after way, each in a process of its own, and joined by zones."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from glassworkbench.errors import GlassWorkbenchError, InputError
+from glassworkbench.freecad import Part
+from glassworkbench.wall.offset_ways import WAYS
+from glassworkbench.wall.per_face import FaceThickness, check_face, per_face_solid
+from glassworkbench.wall.thick_solid import thick_solid
+from glassworkbench.wall.worker import run_in_worker
+from glassworkbench.wall.zones import Zone, check_zones, join_zones
+
+TRY_SHARE = 0.5
+"""No try gets more than this share of the time that is left, so that one which hangs leaves time for others."""
+
+SHORTEST_TRY_SECONDS = 2.0
+"""Starting FreeCAD takes about half of this."""
+
+
+@dataclass(frozen=True, eq=False)
+class ThickWall:
+    """What OCC's offset made.
+
+    Parameters
+    ----------
+    solid, cavity, past_mouth : Part.Shape
+        Upright: the hollow solid, its cavity up to the finish plane, and the cavity reaching past the mouth.
+    tries : tuple of str
+        What was tried and how it ended, one line each.
+    """
+
+    solid: Part.Shape
+    cavity: Part.Shape
+    past_mouth: Part.Shape
+    tries: tuple[str, ...]
+
+
+def thick_wall(
+    outer: Part.Shape,
+    finish_face: int,
+    zones: Sequence[Zone],
+    bore_mm: float | None = None,
+    seconds: float = 120.0,
+) -> ThickWall:
+    """Return a container with a wall by zones.
+
+    Parameters
+    ----------
+    outer : Part.Shape
+        Upright solid.
+    finish_face : int
+        1-based number of the planar face at the mouth.
+    zones : sequence of (low_mm, high_mm, thickness_mm)
+        Bottom to top, up to the finish; one from 0 for a uniform wall. Below the first one all is glass.
+    bore_mm : float, optional
+        Diameter of a straight bore in the topmost zone, instead of its thickness.
+    seconds : float
+        For all together. Each try gets a share of what is left.
+
+    Raises
+    ------
+    InputError
+        If the zones do not stand on one another, or the bore is no narrower than the finish.
+    GlassWorkbenchError
+        If no way leads to a cavity of one of the thicknesses, or they do not join; the message holds all tries.
+    """
+    deadline = time.monotonic() + seconds
+    finish = outer.Faces[finish_face - 1]
+    check_zones(zones, finish.CenterOfMass.z)
+    if bore_mm is not None and not 0.0 < bore_mm < 2.0 * _largest_bore_radius(finish):
+        raise InputError(
+            f"bore: {bore_mm:g} mm do not fit into the finish; it must be below {2.0 * _largest_bore_radius(finish):g}"
+        )
+    tries: list[str] = []
+    offset_zones = zones if bore_mm is None else zones[:-1]
+    thicknesses = list(dict.fromkeys(thickness for _, _, thickness in offset_zones))
+    made = []
+    for thickness in thicknesses:
+        arguments = {"finish_face": finish_face, "thickness_mm": thickness, "floor_mm": zones[0][0]}
+        made.append(_first_good(thick_solid, outer, arguments, deadline, tries))
+    if len(zones) == 1 and bore_mm is None:
+        return ThickWall(*made[0], tuple(tries))
+    cavities = [past_mouth for _, _, past_mouth in made]
+    arguments = {"finish_face": finish_face, "zones": zones, "thicknesses_mm": thicknesses, "bore_mm": bore_mm}
+    try:
+        shapes = run_in_worker(join_zones, [outer, *cavities], arguments, deadline - time.monotonic())
+    except GlassWorkbenchError as error:
+        raise GlassWorkbenchError(f"the zones do not join: {error}") from error
+    return ThickWall(*shapes, tuple(tries))
+
+
+def _largest_bore_radius(finish: Part.Face) -> float:
+    """Return how far the edge of the finish is from the axis, at least."""
+    return min((point.x**2 + point.y**2) ** 0.5 for point in finish.OuterWire.discretize(Number=256))
+
+
+def thick_wall_per_face(
+    outer: Part.Shape,
+    finish_face: int,
+    thickness_mm: float,
+    faces: Sequence[FaceThickness],
+    seconds: float = 120.0,
+) -> ThickWall:
+    """Return a container with walls of their own behind planar faces bounded by sharp edges.
+
+    Parameters
+    ----------
+    outer, finish_face, seconds
+        As in `thick_wall`.
+    thickness_mm : float
+        Of all faces but those named.
+    faces : sequence of (face, thickness_mm)
+        1-based numbers of faces.
+
+    Raises
+    ------
+    InputError
+        If a face is not planar, or meets a neighbour smoothly.
+    GlassWorkbenchError
+        If no way leads to the walls asked; the message holds all tries.
+    """
+    for number, _ in faces:
+        check_face(outer, number, finish_face)
+    tries: list[str] = []
+    arguments = {"finish_face": finish_face, "thickness_mm": thickness_mm, "faces": faces}
+    shapes = _first_good(per_face_solid, outer, arguments, time.monotonic() + seconds, tries)
+    return ThickWall(*shapes, tuple(tries))
+
+
+def _first_good(
+    job: Callable[..., list[Part.Shape]],
+    outer: Part.Shape,
+    arguments: dict[str, object],
+    deadline: float,
+    tries: list[str],
+) -> list[Part.Shape]:
+    """Return what a job makes of the outside by the first good way; every outcome is added to the tries."""
+    first = len(tries)
+    for way in WAYS:
+        left = deadline - time.monotonic()
+        label = f"{arguments['thickness_mm']:g} mm"
+        if left < SHORTEST_TRY_SECONDS:
+            tries.append(f"{label}: no time is left for other ways")
+            break
+        try:
+            share = max(TRY_SHARE * left, SHORTEST_TRY_SECONDS)
+            shapes = run_in_worker(job, [outer], {**arguments, "ways": [way]}, share)
+        except GlassWorkbenchError as error:
+            tries.append(f"{label}, {way}: {error}")
+        else:
+            tries.append(f"{label}, {way}: good")
+            return shapes
+    raise GlassWorkbenchError("; ".join(dict.fromkeys(tries[first:])))
