@@ -37,7 +37,8 @@ class Standing:
     point_mm : array (3,)
         Any point of the axis.
     finish_face : int
-        1-based number of the planar face that closes the mouth, or of the flat rim of a hollow container; 0 without.
+        1-based number of the planar face that closes the mouth, or of the flat rim of a hollow container; 0 without,
+        and for a mesh.
     """
 
     axis: np.ndarray
@@ -77,7 +78,8 @@ def find_standing(
         if up is not None:
             ends = [end for end in ends if end.axis @ np.asarray(up, dtype=float) > 0.0]
         if ends:
-            return _finish_end(ends, solid, vertices_mm, triangles)
+            areas = [solid.Faces[end.finish_face - 1].Area for end in ends]
+            return mouth_end(ends, areas, vertices_mm, triangles)
     raise InputError(
         "finish: no flat face closes the shape at the end of its axis, so the mouth cannot be found; "
         "cut the shape flat where the mouth is, or name the finish's height (--finish-height, finish_height_mm=)"
@@ -88,7 +90,7 @@ def axis_lines(
     solid: Part.Shape, vertices_mm: np.ndarray, triangles: np.ndarray, *, axis: object = None, up: object = None
 ) -> list[tuple[np.ndarray, np.ndarray]]:
     """Return the lines (direction (3,), point (3,)) that may be the axis, the likeliest first; see `find_standing`."""
-    centroid, inertia_axes = _inertia(vertices_mm, triangles)
+    centroid, inertia_axes = inertia(vertices_mm, triangles)
     size = float(np.ptp(vertices_mm, axis=0).max())
     lines = [line for line in _turned_lines(solid, size) if _distance(centroid, *line) < OFF_CENTRE_SHARE * size]
     wanted = up if up is not None else axis
@@ -203,8 +205,8 @@ def _surrounds(solid: Part.Shape, vertices_mm: np.ndarray, end: Standing) -> boo
     return not _holds(face, vertices_mm, end) and _holds(Part.Face(face.OuterWire), vertices_mm, end)
 
 
-def _finish_end(ends: list[Standing], solid: Part.Shape, vertices_mm: np.ndarray, triangles: np.ndarray) -> Standing:
-    """Return the end that is the mouth: far from a stem, else clearly the narrower, else the one that CAD has up."""
+def mouth_end(ends: list[Standing], areas_mm2: list[float], vertices_mm: np.ndarray, triangles: np.ndarray) -> Standing:
+    """Return the flat end that is the mouth: far from a stem, else clearly narrower, else the one that CAD has up."""
     first, second = ends[0], ends[-1]
     if first is second:
         return first
@@ -212,7 +214,7 @@ def _finish_end(ends: list[Standing], solid: Part.Shape, vertices_mm: np.ndarray
     stem = find_stem(heights, radii)
     if stem is not None:
         return first if stem.thinnest_mm < 0.5 * heights[-1] else second
-    areas = [solid.Faces[end.finish_face - 1].Area for end in (first, second)]
+    areas = areas_mm2[0], areas_mm2[-1]
     if min(areas) < NARROW_END * max(areas):
         return (first, second)[int(np.argmin(areas))]
     return first
@@ -234,7 +236,7 @@ def to_upright(points_mm: np.ndarray, standing: Standing) -> np.ndarray:
     return upright
 
 
-def _inertia(vertices_mm: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, list[np.ndarray]]:
+def inertia(vertices_mm: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, list[np.ndarray]]:
     """Return the centroid of a closed mesh and its principal axes, the longest extent first."""
     a, b, c = (vertices_mm[triangles[:, k]] for k in range(3))
     volumes = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6.0

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
-import os
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,17 +14,13 @@ from glassworkbench.mold.axis import Standing, axis_lines, find_standing, is_hol
 from glassworkbench.mold.cavity import find_cavity
 from glassworkbench.mold.closing import closed_solid
 from glassworkbench.mold.measures import (
-    crossings_on_axis,
-    distance_to_polyline,
     mesh_of,
     signed_volume,
-    smallest_width,
 )
-from glassworkbench.mold.meridian import chain, face_profiles, flattened, points
+from glassworkbench.mold.meridian import chain, face_profiles, flattened
 from glassworkbench.mold.outer_shape import outer_shape, outer_shape_within_crest
 from glassworkbench.mold.placing import moved, placement_of
-from glassworkbench.mold.read import read_shape, sha256
-from glassworkbench.mold.silhouette import find_regions, find_stem, radius_spread, silhouette
+from glassworkbench.mold.surveying import survey
 from glassworkbench.scene import Mesh
 from glassworkbench.scene.validate import positive
 
@@ -78,51 +72,6 @@ class Mold:
     def is_nearly_round(self) -> bool:
         """Whether the body is one of revolution but for threads and embossing, so that its inside can be one."""
         return self.core is not None and self.anatomy.departure_mm < EMBOSSED_SHARE * self.anatomy.maximum_radius_mm
-
-
-def read_mold(
-    path: str | os.PathLike,
-    *,
-    scale_to_mm: float | None = None,
-    axis: object = None,
-    up: object = None,
-    finish_height_mm: float | None = None,
-    outer_shell: bool = False,
-    block: bool = False,
-    close_open_shell: bool = False,
-) -> Mold:
-    """Return the mold in a CAD file.
-
-    Parameters
-    ----------
-    path : path
-        STEP, IGES, BREP or FCStd file with one closed solid: the outer shape of a container, full inside.
-    scale_to_mm : float, optional
-        Multiplies every length, for a file whose declared unit is wrong.
-    axis, up, finish_height_mm, outer_shell, block, close_open_shell : optional
-        Overrule what is found, as in `mold_from_shape`.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, does not hold exactly one closed solid, or its axis or finish cannot be found.
-    """
-    path = Path(path)
-    shape = read_shape(path, scale_to_mm=scale_to_mm)
-    try:
-        mold = mold_from_shape(
-            shape,
-            path.stem,
-            axis=axis,
-            up=up,
-            finish_height_mm=finish_height_mm,
-            outer_shell=outer_shell,
-            block=block,
-            close_open_shell=close_open_shell,
-        )
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from error
-    return dataclasses.replace(mold, path=path, sha256=sha256(path))
 
 
 def mold_from_shape(
@@ -187,7 +136,7 @@ def mold_from_shape(
     upright = moved(solid, np.linalg.inv(placement))
     profiles = face_profiles(upright.Faces)
     core = chain(profiles)
-    anatomy = _anatomy(standing, placement, upright, to_upright(vertices, standing), triangles, profiles, core)
+    anatomy = survey(standing, placement, to_upright(vertices, standing), triangles, profiles, core)
     return Mold(solid, upright, placement, anatomy, name, core=core, repairs=tuple(repairs))
 
 
@@ -225,7 +174,8 @@ def _cut_at_finish(
     return moved(single_solid(cut), placement), direction
 
 
-def _check_unit(size_mm: float) -> None:
+def check_size(size_mm: float) -> None:
+    """Raise an InputError if something of this size is no container, so that its unit is another than it says."""
     # Before any mesh is made: OCC's mesher does not come back from a shape of a few tenths of a millimetre.
     if size_mm < SMALLEST_MM:
         raise InputError(
@@ -276,62 +226,11 @@ def single_solid(shape: Part.Shape) -> Part.Shape:
 
 def outward(solid: Part.Shape) -> tuple[Part.Shape, np.ndarray, np.ndarray]:
     """Return a closed solid with its faces turned outward, and its mesh (vertices (n, 3), triangles (m, 3))."""
-    _check_unit(solid.BoundBox.DiagonalLength)
+    check_size(solid.BoundBox.DiagonalLength)
     vertices, triangles = mesh_of(solid)
     if signed_volume(vertices, triangles) > 0.0:
         return solid, vertices, triangles
     return solid.reversed(), vertices, triangles[:, ::-1]
-
-
-def _anatomy(
-    standing: Standing,
-    placement: np.ndarray,
-    upright: Part.Shape,
-    vertices: np.ndarray,
-    triangles: np.ndarray,
-    profiles: list[np.ndarray | None],
-    core: np.ndarray | None,
-) -> Anatomy:
-    heights, radii = silhouette(vertices, triangles)
-    stem = find_stem(heights, radii)
-    regions = find_regions(heights, radii, stem)
-    height = float(vertices[:, 2].max())
-    departure, where = _departure(vertices, triangles, profiles, core)
-    finish_height = upright.Faces[standing.finish_face - 1].CenterOfMass.z
-    finish_low = regions["finish"][0]
-    from_axis = np.hypot(vertices[:, 0], vertices[:, 1])
-    outline = points(core, 64) if core is not None else np.column_stack([from_axis, vertices[:, 2]])
-    lowest = outline[outline[:, 1] < 1e-6 * height]
-    return Anatomy(
-        axis=standing.axis,
-        base_point_mm=placement[:3, 3],
-        height_mm=height,
-        finish_height_mm=float(finish_height),
-        finish_outer_radius_mm=float(radii[heights > finish_low].max()),
-        finish_face=standing.finish_face,
-        maximum_radius_mm=float(max(from_axis.max(), outline[:, 0].max())),
-        smallest_width_mm=smallest_width(vertices) if departure > 0.0 else float(2.0 * outline[:, 0].max()),
-        bearing_radius_mm=float(lowest[:, 0].mean()),
-        push_up_mm=float(core[0, 0, 1] if core is not None else crossings_on_axis(vertices, triangles)[0]),
-        departure_mm=departure,
-        departure_at_mm=where,
-        stem_top_mm=stem.top_mm if stem is not None else 0.0,
-        regions=regions,
-    )
-
-
-def _departure(
-    vertices_mm: np.ndarray, triangles: np.ndarray, profiles: list[np.ndarray | None], core: np.ndarray | None
-) -> tuple[float, np.ndarray]:
-    """Return the largest distance between the surface and its core in the meridian half-plane, and where it is."""
-    if core is None:
-        return radius_spread(vertices_mm, triangles, crossings_on_axis(vertices_mm, triangles)[0])
-    if all(profile is not None for profile in profiles):
-        return 0.0, np.array([core[0, 0, 0], 0.0, core[0, 0, 1]])
-    flat = np.column_stack([np.hypot(vertices_mm[:, 0], vertices_mm[:, 1]), vertices_mm[:, 2]])
-    distances = distance_to_polyline(flat, points(core, 32))
-    worst = int(np.argmax(distances))
-    return float(distances[worst]), vertices_mm[worst]
 
 
 def outer_meridian(mold: Mold) -> np.ndarray:

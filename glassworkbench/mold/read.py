@@ -15,6 +15,7 @@ from glassworkbench.freecad import FreeCAD, Part
 
 STEP_ENDINGS = (".step", ".stp")
 ENDINGS = (*STEP_ENDINGS, ".iges", ".igs", ".brep", ".brp", ".fcstd")
+MESH_ENDINGS = (".stl", ".obj", ".ply")
 
 
 def read_shape(
@@ -61,7 +62,8 @@ def sha256(path: str | os.PathLike) -> str:
 def _check_file(path: Path) -> None:
     if path.suffix.lower() not in ENDINGS:
         raise InputError(
-            f"{path}: {path.suffix or 'no ending'} is not a CAD file this reads; give one of {', '.join(ENDINGS)}"
+            f"{path}: {path.suffix or 'no ending'} is not a CAD file this reads; "
+            f"give one of {', '.join((*ENDINGS, *MESH_ENDINGS))}"
         )
     if not path.is_file():
         raise InputError(f"{path}: there is no such file; check the path")

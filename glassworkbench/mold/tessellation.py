@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import itertools
-
 import numpy as np
 
 from glassworkbench.errors import GlassWorkbenchError, InputError
 from glassworkbench.freecad import FreeCAD, Part
 from glassworkbench.mold.measures import flat_top
+from glassworkbench.mold.mending import welded
 from glassworkbench.mold.mold import Mold
 from glassworkbench.scene import Mesh
 from glassworkbench.scene.validate import positive
@@ -64,7 +63,7 @@ def tessellate_faces(shape: Part.Shape, deviation_mm: float) -> tuple[Mesh, np.n
         normals.append(_normals(face, points, corners))
         numbers.append(np.full(len(corners), number, dtype=np.int32))
         count += len(points)
-    points, corners = _welded(np.concatenate(vertices)), np.concatenate(triangles)
+    points, corners = welded(np.concatenate(vertices), WELD_MM), np.concatenate(triangles)
     try:
         return Mesh(points, corners, np.concatenate(normals)), np.concatenate(numbers)
     except InputError as error:
@@ -102,20 +101,6 @@ def outside_mesh(mold: Mold, deviation_mm: float) -> tuple[Mesh, np.ndarray]:
     positive(deviation_mm, "deviation_mm")
     mouth = flat_top(mold.mesh.vertices_mm, mold.mesh.triangles, mold.anatomy.finish_height_mm)
     return mold.mesh, np.where(mouth, MOUTH, 0).astype(np.int32)
-
-
-def _welded(points: np.ndarray) -> np.ndarray:
-    """Return the points (n, 3), those nearer to each other than WELD_MM made equal.
-
-    Two near points share a cell of a grid unless a cell's wall parts them; then they share one of the grid moved by
-    half a cell along some of the axes.
-    """
-    points = points.copy()
-    for shift in itertools.product((0.0, 0.5), repeat=3):
-        cells = np.floor(points / (4.0 * WELD_MM) + shift)
-        _, first, place = np.unique(cells, axis=0, return_index=True, return_inverse=True)
-        points = points[first[place.reshape(-1)]]
-    return points
 
 
 def _normals(face: Part.Face, points: np.ndarray, corners: np.ndarray) -> np.ndarray:

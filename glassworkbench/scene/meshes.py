@@ -25,6 +25,25 @@ def read_mesh(path: str | Path) -> Mesh:
     InputError
         If the file is missing, of another kind, damaged, or its mesh not closed.
     """
+    vertices, triangles, normals = read_triangles(path)
+    try:
+        if normals is None:
+            vertices, triangles, normals = with_creased_normals(vertices, triangles)
+        return Mesh(vertices, triangles, normals)
+    except (InputError, ValueError) as error:
+        raise InputError(f"{path}: {error}") from error
+
+
+def read_triangles(path: str | Path) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
+    """Return vertices (n, 3), triangles (m, 3) and normals (n, 3) of a PLY, OBJ or STL file, closed or not.
+
+    The normals are None where the file has none.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, of another kind, or damaged.
+    """
     path = Path(path)
     readers = {".ply": _read_ply, ".obj": _read_obj, ".stl": _read_stl}
     if path.suffix.lower() not in readers:
@@ -32,12 +51,7 @@ def read_mesh(path: str | Path) -> Mesh:
     if not path.is_file():
         raise InputError(f"{path}: there is no such file")
     try:
-        vertices, triangles, normals = readers[path.suffix.lower()](path.read_bytes())
-        if normals is None:
-            vertices, triangles, normals = _with_creased_normals(vertices, triangles)
-        return Mesh(vertices, triangles, normals)
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from error
+        return readers[path.suffix.lower()](path.read_bytes())
     except (ValueError, IndexError, KeyError, struct.error) as error:
         raise InputError(f"{path}: not a mesh that can be read ({error})") from error
 
@@ -177,8 +191,11 @@ def _fans(sides: list[int], corners: np.ndarray) -> np.ndarray:
     return corners[np.column_stack([first, first + step + 1, first + step + 2])].astype(np.int64)
 
 
-def _with_creased_normals(vertices: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return vertices, triangles and normals with a vertex stored once for each smooth piece around it."""
+def with_creased_normals(vertices: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return vertices, triangles and normals with a vertex stored once for each smooth piece around it.
+
+    Faces that meet at more than `CREASE_RAD` keep an edge between them.
+    """
     if triangles.min() < 0 or triangles.max() >= len(vertices):
         raise ValueError("a vertex number is out of range")
     vertices, place = np.unique(vertices, axis=0, return_inverse=True)
