@@ -3,11 +3,11 @@ import pytest
 
 from glassworkbench.errors import GlassWorkbenchError, InputError
 from glassworkbench.freecad import FreeCAD, Part
-from glassworkbench.wall import thick_wall as method
+from glassworkbench.wall import thick_solid as method
 from glassworkbench.wall.healing import has_kinks, healed
 from glassworkbench.wall.offset_check import check_offset, facets, facets_volume
 from glassworkbench.wall.offset_ways import WAYS, cavity_past_mouth
-from glassworkbench.wall.thick_wall import thick_wall, thick_wall_per_face
+from glassworkbench.wall.thick_solid import thick_wall, thick_wall_per_face
 from glassworkbench.wall.zones import zones_over_height
 
 HEIGHT, HALF, CORNER = 100.0, 30.0, 10.0
@@ -167,7 +167,7 @@ def test_impossible_zones_are_refused(square, zones, bore, why):
 
 
 def test_a_way_that_hangs_leaves_time_for_the_others(square, monkeypatch):
-    monkeypatch.setattr(method, "thick_solid", hang_unless_last)
+    monkeypatch.setattr(method, "offset_solid", hang_unless_last)
     monkeypatch.setattr(method, "TRY_SHARE", 0.1)
     made = thick_wall(square, finish_of(square), [(0.0, HEIGHT, 4.0)], seconds=40.0)
     assert "did not finish" in made.tries[0]

@@ -89,7 +89,7 @@ def hollow(
         share = rung.share * (limit - (begin - start))
         attempted = None
         try:
-            (attempted,) = run_in_worker(attempt, (mold, thickness, rung.method, tolerance, share), share)
+            attempted = run_in_worker(attempt, (mold, thickness, rung.method, tolerance, share), {}, share)
             outcome, why = ("rejected", attempted.fault) if attempted.fault else ("accepted", "")
         except InputError as error:
             outcome, why = "impossible", str(error)

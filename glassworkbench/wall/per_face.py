@@ -8,7 +8,7 @@ from glassworkbench.errors import GlassWorkbenchError, InputError
 from glassworkbench.freecad import FreeCAD, Part
 from glassworkbench.wall.offset_check import check_faces
 from glassworkbench.wall.offset_ways import LIP_HEIGHT_MM
-from glassworkbench.wall.thick_solid import hollowed, number_of, thick_solid
+from glassworkbench.wall.offset_solid import hollowed, number_of, offset_solid
 
 SHARP_COSINE = 0.9
 """Faces whose normals make a smaller angle than this one's (26 degrees) meet smoothly: OCC cannot part their walls."""
@@ -60,7 +60,7 @@ def per_face_solid(
         Of all faces but those named.
     faces : sequence of (face, thickness_mm)
     ways : sequence of str
-        As in `thick_solid`.
+        As in `offset_solid`.
 
     Raises
     ------
@@ -77,7 +77,7 @@ def per_face_solid(
     for number, face_mm in faces:
         body = _with_face_moved(body, outer.Faces[number - 1], thickness_mm - face_mm)
     finish = outer.Faces[finish_face - 1]
-    _, cavity, past_mouth = thick_solid(body, number_of(finish, body), thickness_mm, ways)
+    _, cavity, past_mouth = offset_solid(body, number_of(finish, body), thickness_mm, ways)
     thicknesses = [dict(faces).get(number, thickness_mm) for number in range(1, len(outer.Faces) + 1)]
     check_faces(outer, cavity, finish_face, thicknesses, max(LIP_HEIGHT_MM, 2.0 * thickness_mm))
     return [hollowed(outer, cavity, past_mouth, finish_face), cavity, past_mouth]

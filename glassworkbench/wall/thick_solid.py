@@ -1,23 +1,67 @@
-"""The container with a wall of one thickness, by OCC's offset, checked."""
+"""The method `thick_solid`: OCC's offset by way after way, each in a process of its own, and joined by zones."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from glassworkbench.errors import GlassWorkbenchError
+from glassworkbench.errors import GlassWorkbenchError, InputError
 from glassworkbench.freecad import Part
-from glassworkbench.wall.healing import healed
-from glassworkbench.wall.offset_check import check_offset, check_solid
-from glassworkbench.wall.offset_ways import LIP_HEIGHT_MM, WAYS, above, below, cavity_past_mouth
-from glassworkbench.wall.solids import hollow_solid
+from glassworkbench.mold import Anatomy, Mold, tessellate
+from glassworkbench.wall.asked import AskedThickness
+from glassworkbench.wall.candidate import Candidate
+from glassworkbench.wall.offset_ways import WAYS
+from glassworkbench.wall.outside import DEVIATION_MM, Outside
+from glassworkbench.wall.per_face import FaceThickness, check_face, per_face_solid
+from glassworkbench.wall.offset_solid import offset_solid
+from glassworkbench.wall.worker import run_in_worker
+from glassworkbench.wall.zones import Zone, check_zones, join_zones, zones_over_height
+
+TRY_SHARE = 0.5
+"""No try gets more than this share of the time that is left, so that one which hangs leaves time for others."""
+
+SHORTEST_TRY_SECONDS = 2.0
+"""Starting FreeCAD takes about half of this."""
+
+MOST_ZONES = 6
+"""More offsets than these take too long, and their steps are no wall anyone asked for."""
+
+ZONE_LEVELS = 241
+"""Heights at which the thickness asked is looked at."""
+
+ZONE_DEVIATION_SHARE = 0.015
+"""How far a zone may be from the thickness asked, as a share of the thinnest wall."""
 
 
-def thick_solid(
-    outer: Part.Shape, finish_face: int, thickness_mm: float, ways: Sequence[str] = (), floor_mm: float = 0.0
-) -> list[Part.Shape]:
-    """Return the hollow solid, its cavity up to the finish plane, and the cavity reaching past the mouth.
+@dataclass(frozen=True, eq=False)
+class ThickWall:
+    """What OCC's offset made.
+
+    Parameters
+    ----------
+    solid, cavity, past_mouth : Part.Shape
+        Upright: the hollow solid, its cavity up to the finish plane, and the cavity reaching past the mouth.
+    tries : tuple of str
+        What was tried and how it ended, one line each.
+    """
+
+    solid: Part.Shape
+    cavity: Part.Shape
+    past_mouth: Part.Shape
+    tries: tuple[str, ...]
+
+
+def thick_wall(
+    outer: Part.Shape,
+    finish_face: int,
+    zones: Sequence[Zone],
+    bore_mm: float | None = None,
+    seconds: float = 120.0,
+) -> ThickWall:
+    """Return a container with a wall by zones.
 
     Parameters
     ----------
@@ -25,52 +69,143 @@ def thick_solid(
         Upright solid.
     finish_face : int
         1-based number of the planar face at the mouth.
+    zones : sequence of (low_mm, high_mm, thickness_mm)
+        Bottom to top, up to the finish; one from 0 for a uniform wall. Below the first one all is glass.
+    bore_mm : float, optional
+        Diameter of a straight bore in the topmost zone, instead of its thickness.
+    seconds : float
+        For all together. Each try gets a share of what is left.
+
+    Raises
+    ------
+    InputError
+        If the zones do not stand on one another, or the bore is no narrower than the finish.
+    GlassWorkbenchError
+        If no way leads to a cavity of one of the thicknesses, or they do not join; the message holds all tries.
+    """
+    deadline = time.monotonic() + seconds
+    finish = outer.Faces[finish_face - 1]
+    check_zones(zones, finish.CenterOfMass.z)
+    if bore_mm is not None and not 0.0 < bore_mm < 2.0 * _largest_bore_radius(finish):
+        raise InputError(
+            f"bore: {bore_mm:g} mm do not fit into the finish; it must be below {2.0 * _largest_bore_radius(finish):g}"
+        )
+    tries: list[str] = []
+    offset_zones = zones if bore_mm is None else zones[:-1]
+    thicknesses = list(dict.fromkeys(thickness for _, _, thickness in offset_zones))
+    made = []
+    for thickness in thicknesses:
+        arguments = {"finish_face": finish_face, "thickness_mm": thickness, "floor_mm": zones[0][0]}
+        made.append(_first_good(offset_solid, outer, arguments, deadline, tries))
+    if len(zones) == 1 and bore_mm is None:
+        return ThickWall(*made[0], tuple(tries))
+    cavities = [past_mouth for _, _, past_mouth in made]
+    arguments = {"finish_face": finish_face, "zones": zones, "thicknesses_mm": thicknesses, "bore_mm": bore_mm}
+    try:
+        shapes = run_in_worker(join_zones, [outer, *cavities], arguments, deadline - time.monotonic())
+    except GlassWorkbenchError as error:
+        raise GlassWorkbenchError(f"the zones do not join: {error}") from error
+    return ThickWall(*shapes, tuple(tries))
+
+
+def _largest_bore_radius(finish: Part.Face) -> float:
+    """Return how far the edge of the finish is from the axis, at least."""
+    return min((point.x**2 + point.y**2) ** 0.5 for point in finish.OuterWire.discretize(Number=256))
+
+
+def thick_wall_per_face(
+    outer: Part.Shape,
+    finish_face: int,
+    thickness_mm: float,
+    faces: Sequence[FaceThickness],
+    seconds: float = 120.0,
+) -> ThickWall:
+    """Return a container with walls of their own behind planar faces bounded by sharp edges.
+
+    Parameters
+    ----------
+    outer, finish_face, seconds
+        As in `thick_wall`.
     thickness_mm : float
-    ways : sequence of str
-        Names of `WAYS`, tried in turn; all of them if none is given.
-    floor_mm : float
-        The cavity ends level at this height; 0 for a floor that follows the base.
+        Of all faces but those named.
+    faces : sequence of (face, thickness_mm)
+        1-based numbers of faces.
+
+    Raises
+    ------
+    InputError
+        If a face is not planar, or meets a neighbour smoothly.
+    GlassWorkbenchError
+        If no way leads to the walls asked; the message holds all tries.
+    """
+    for number, _ in faces:
+        check_face(outer, number, finish_face)
+    tries: list[str] = []
+    arguments = {"finish_face": finish_face, "thickness_mm": thickness_mm, "faces": faces}
+    shapes = _first_good(per_face_solid, outer, arguments, time.monotonic() + seconds, tries)
+    return ThickWall(*shapes, tuple(tries))
+
+
+def _first_good(
+    job: Callable[..., list[Part.Shape]],
+    outer: Part.Shape,
+    arguments: dict[str, object],
+    deadline: float,
+    tries: list[str],
+) -> list[Part.Shape]:
+    """Return what a job makes of the outside by the first good way; every outcome is added to the tries."""
+    first = len(tries)
+    for way in WAYS:
+        left = deadline - time.monotonic()
+        label = f"{arguments['thickness_mm']:g} mm"
+        if left < SHORTEST_TRY_SECONDS:
+            tries.append(f"{label}: no time is left for other ways")
+            break
+        try:
+            share = max(TRY_SHARE * left, SHORTEST_TRY_SECONDS)
+            shapes = run_in_worker(job, [outer], {**arguments, "ways": [way]}, share)
+        except GlassWorkbenchError as error:
+            tries.append(f"{label}, {way}: {error}")
+        else:
+            tries.append(f"{label}, {way}: good")
+            return shapes
+    raise GlassWorkbenchError("; ".join(dict.fromkeys(tries[first:])))
+
+
+def thick_solid(mold: Mold, asked: AskedThickness, wall: Outside, seconds: float) -> Candidate:
+    """Return the container that OCC's offset makes of a mold; a wall that varies over the height becomes zones.
 
     Raises
     ------
     GlassWorkbenchError
-        If none of the ways gives a closed, valid cavity with the wall asked; the message says why.
+        If the mold is a mesh, the wall varies otherwise or too much for zones, or no way leads to it.
     """
-    reasons = []
-    whole = healed(outer)
-    cut = floor_mm - thickness_mm
-    body = above(whole, cut) if floor_mm > 0.0 and cut > 0.0 else whole
-    finish = outer.Faces[finish_face - 1]
-    height = finish.CenterOfMass.z
-    for way in (WAYS[name] for name in ways or WAYS):
-        try:
-            past_mouth = cavity_past_mouth(body, number_of(finish, body), thickness_mm, way)
-            cavity = below(past_mouth, height)
-            check_solid(cavity)
-            check_offset(body, cavity, height, thickness_mm, max(LIP_HEIGHT_MM, 2.0 * thickness_mm))
-            return [hollowed(whole, cavity, past_mouth, number_of(finish, whole)), cavity, past_mouth]
-        # OCC raises errors of many kinds, which derive from Exception only.
-        except Exception as error:
-            reasons.append(str(error).strip() or type(error).__name__)
-    raise GlassWorkbenchError(", or ".join(dict.fromkeys(reasons)))
+    if mold.upright is None:
+        raise GlassWorkbenchError("OCC offsets the faces of CAD files only, and the mold is a mesh")
+    if asked.over_height is None:
+        raise GlassWorkbenchError("OCC offsets by one thickness, and the wall asked varies with angle or face")
+    anatomy = mold.anatomy
+    made = thick_wall(
+        mold.upright,
+        anatomy.finish_face,
+        _zones(asked, anatomy),
+        None if asked.bore_radius_mm is None else 2.0 * asked.bore_radius_mm,
+        seconds,
+    )
+    return Candidate(made.solid, made.past_mouth, tessellate(made.cavity, DEVIATION_MM))
 
 
-def number_of(finish: Part.Face, solid: Part.Shape) -> int:
-    """Return the 1-based number that the finish has in a solid of which some other faces were cut."""
-    gaps = [
-        (face.CenterOfMass - finish.CenterOfMass).Length + abs(face.Area - finish.Area) / finish.Length
-        for face in solid.Faces
-    ]
-    return 1 + int(np.argmin(gaps))
-
-
-def hollowed(outer: Part.Shape, cavity: Part.Shape, past_mouth: Part.Shape, finish_face: int) -> Part.Shape:
-    """Return the outer solid without a cavity, which is given up to the finish plane and past the mouth."""
-    try:
-        return hollow_solid(outer, cavity, finish_face)
-    except GlassWorkbenchError:
-        # Slower, and it fails where faces nearly coincide, but it needs no exact match at the mouth.
-        rest = outer.cut(past_mouth)
-        if len(rest.Solids) != 1:
-            raise
-        return rest.Solids[0]
+def _zones(asked: AskedThickness, anatomy: Anatomy) -> list[Zone]:
+    low, high = anatomy.stem_top_mm, anatomy.finish_height_mm
+    heights = np.linspace(low, high, ZONE_LEVELS)
+    thicknesses = asked.over_height.at(heights)
+    zones = zones_over_height(heights, thicknesses, ZONE_DEVIATION_SHARE * asked.minimum_mm)
+    if len(zones) > MOST_ZONES:
+        raise GlassWorkbenchError(
+            f"OCC offsets by one thickness, and the wall asked varies so much that it needs {len(zones)} zones"
+        )
+    if asked.bore_radius_mm is not None:
+        start = anatomy.regions["finish"][0]
+        below = [(bottom, min(top, start), thickness) for bottom, top, thickness in zones if bottom < start]
+        zones = [*below, (start, high, zones[-1][2])]
+    return zones

@@ -1,4 +1,4 @@
-"""Runs one function on OCC shapes in a process of its own, which may hang or crash without harm.
+"""Runs one function in a process of its own, which may hang or crash without harm.
 
 The other process calls `work` on the folder that the job lies in.
 """
@@ -15,20 +15,18 @@ import subprocess
 import sys
 import tempfile
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
-from glassworkbench.errors import GlassWorkbenchError
-
-if TYPE_CHECKING:
-    import Part
+from glassworkbench.errors import GlassWorkbenchError, InputError
+from glassworkbench.wall.parcel import pack, unpack
 
 MEMORY_BYTES = 4 << 30
 """What a job may allocate (address space) where the system can limit it."""
 
-OUTPUT = "output.txt"
-"""Where a job's output goes, in its folder."""
+ARGUMENTS, RESULT, OUTPUT = "arguments.pickle", "result.pickle", "output.txt"
+"""Where a job's arguments, its result and what it prints go, in its folder."""
 
 OUT_OF_MEMORY = ("bad_alloc", "OutOfMemory", "MemoryError")
 """What C++, OCC and Python write when an allocation fails."""
@@ -41,59 +39,50 @@ GRACE_SECONDS = 5.0
 
 
 def run_in_worker(
-    function: Callable[..., Sequence[Part.Shape]],
-    shapes: Sequence[Part.Shape],
-    arguments: dict[str, object],
+    function: Callable[..., Any],
+    arguments: Sequence[object],
+    named_arguments: Mapping[str, object],
     seconds: float,
     memory_bytes: int = MEMORY_BYTES,
-) -> list[Part.Shape]:
-    """Return ``function(*shapes, **arguments)``, computed in another process.
+) -> Any:
+    """Return ``function(*arguments, **named_arguments)``, computed in another process.
 
     Parameters
     ----------
     function : callable
-        Found by its module and name on the other side; takes shapes and returns shapes.
-    shapes : sequence of Part.Shape
-    arguments : dict
-        Anything that JSON can hold.
+        Found by its module and name on the other side.
+    arguments, named_arguments : sequence, mapping
+        Like the answer, data that can be pickled, and OCC shapes in it.
     seconds : float
         After this time the process and its children are killed.
     memory_bytes : int
 
     Raises
     ------
+    InputError
+        If the function raises one.
     GlassWorkbenchError
         If the function fails, crashes, or does not finish in time; the message says which.
     """
-    from glassworkbench.freecad import Part
-
     with tempfile.TemporaryDirectory(prefix="glassworkbench-") as name:
         folder = Path(name)
-        for number, shape in enumerate(shapes):
-            shape.exportBrep(str(folder / f"in{number}.brep"))
         job = {
             "module": function.__module__,
             "function": function.__qualname__,
-            "shapes": len(shapes),
-            "arguments": arguments,
             "memory_bytes": memory_bytes,
             "lifetime_seconds": seconds + GRACE_SECONDS,
             "path": sys.path,
         }
         (folder / "job.json").write_text(json.dumps(job), encoding="utf-8")
+        (folder / ARGUMENTS).write_bytes(pack((tuple(arguments), dict(named_arguments))))
         exit_code = _wait(folder, seconds)
-        result = folder / "result.json"
+        result = folder / RESULT
         if not result.exists():
             raise GlassWorkbenchError(f"the worker process {_death(exit_code, folder / OUTPUT, memory_bytes)}")
-        answer = json.loads(result.read_text(encoding="utf-8"))
-        if "error" in answer:
-            raise GlassWorkbenchError(answer["error"])
-        outputs = []
-        for number in range(answer["shapes"]):
-            shape = Part.Shape()
-            shape.read(str(folder / f"out{number}.brep"))
-            outputs.append(shape)
-        return outputs
+        answer, error = unpack(result.read_bytes())
+        if error is not None:
+            raise error
+        return answer
 
 
 def interpreter() -> str:
@@ -173,8 +162,6 @@ def _death(exit_code: int, output: Path, memory_bytes: int) -> str:
 
 def work(name: str) -> None:
     """Do the job that lies in a folder, and leave its result there."""
-    from glassworkbench.freecad import Part
-
     folder = Path(name)
     job = json.loads((folder / "job.json").read_text(encoding="utf-8"))
     sys.path.extend(entry for entry in job["path"] if entry not in sys.path)
@@ -183,25 +170,20 @@ def work(name: str) -> None:
     _limit_time(job["lifetime_seconds"])
     try:
         function = getattr(importlib.import_module(job["module"]), job["function"])
-        shapes = []
-        for number in range(job["shapes"]):
-            shape = Part.Shape()
-            shape.read(str(folder / f"in{number}.brep"))
-            shapes.append(shape)
-        outputs = function(*shapes, **job["arguments"])
-        for number, shape in enumerate(outputs):
-            shape.exportBrep(str(folder / f"out{number}.brep"))
-        answer = {"shapes": len(outputs)}
+        arguments, named_arguments = unpack((folder / ARGUMENTS).read_bytes())
+        result = pack((function(*arguments, **named_arguments), None))
+    except InputError as error:
+        result = pack((None, error))
     # Part.OCCError and friends derive from Exception only; whatever fails here is an outcome for the parent to report.
     except Exception as error:
         traceback.print_exc()
         # FreeCAD says of an allocation that failed in C++ only that an exception is unknown.
         starved = isinstance(error, MemoryError) or _peak_bytes() > STARVED_SHARE * job["memory_bytes"]
-        why = _too_much(job["memory_bytes"]) if starved else str(error).strip() or type(error).__name__
-        answer = {"error": f"it {why}" if starved else why}
-    aside = folder / "result.json.part"
-    aside.write_text(json.dumps(answer), encoding="utf-8")
-    aside.rename(folder / "result.json")
+        why = f"it {_too_much(job['memory_bytes'])}" if starved else str(error).strip() or type(error).__name__
+        result = pack((None, GlassWorkbenchError(why)))
+    aside = folder / f"{RESULT}.part"
+    aside.write_bytes(result)
+    aside.rename(folder / RESULT)
 
 
 def _too_much(memory_bytes: int) -> str:
