@@ -25,46 +25,43 @@ SAME_SIDE = np.cos(np.radians(6.0))
 """Normals around a crease's vertex that differ by less lie on one side of it."""
 
 
-def snapped_to_creases(
-    room: Room, places_mm: np.ndarray, gradients: np.ndarray, edges: np.ndarray, tolerance_mm: float
+def near_creases(gradients: np.ndarray, edges: np.ndarray) -> np.ndarray:
+    """Return the numbers of the vertices whose gradient (n, 3) differs from that of a neighbour by a crease's angle.
+
+    Edges (m, 2) lead from each vertex to its neighbours.
+    """
+    turned = np.einsum("ij,ij->i", gradients[edges[:, 0]], gradients[edges[:, 1]]) < np.cos(TURN_RAD)
+    return np.unique(edges[turned])
+
+
+def crease_points(
+    room: Room, near_mm: np.ndarray, owner: np.ndarray, around_mm: np.ndarray, tolerance_mm: float | np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the numbers (k,) of the vertices near creases and where (k, 3) on the crease each belongs.
+    """Return the points (k, 3) of creases that are nearest to some points, and which of them (k,) are such.
 
     Parameters
     ----------
     room : Room
-    places_mm, gradients : array (n, 3)
-        Vertices on the surface, and the unit gradients there.
-    edges : int array (m, 2)
-        From each vertex to its neighbours.
-    tolerance_mm : float
+    near_mm : array (k, 3)
+    owner : int array (m,)
+    around_mm : array (m, 3)
+        Near the surface, on all sides of the crease sought by number `owner`.
+    tolerance_mm : float or array (k,)
         A place that is farther from the surface is none.
 
     Notes
     -----
-    The tangent planes at the neighbours meet at the crease (dual contouring: Ju et al., ACM Trans. Graph. 21 (2002)
-    339). The planes of bent sides meet off it, so they are taken anew from nearer and nearer.
+    The tangent planes on the sides meet at the crease (dual contouring: Ju et al., ACM Trans. Graph. 21 (2002) 339).
+    The planes of bent sides meet off it, so they are taken anew from nearer and nearer.
     """
-    turned = np.einsum("ij,ij->i", gradients[edges[:, 0]], gradients[edges[:, 1]]) < np.cos(TURN_RAD)
-    near = np.zeros(len(places_mm), dtype=bool)
-    near[edges[turned].ravel()] = True
-    numbers = np.flatnonzero(near)
-    if len(numbers) == 0:
-        return numbers, places_mm[numbers]
-    row = np.full(len(places_mm), -1)
-    row[numbers] = np.arange(len(numbers))
-    mine = edges[near[edges[:, 0]]]
-    owner = np.concatenate([row[mine[:, 0]], np.arange(len(numbers))])
-    sample = np.concatenate([mine[:, 1], numbers])
-    points, normals = places_mm[sample], gradients[sample]
-    found = mean_at(owner, points, len(numbers))
+    found, rank = near_mm, np.zeros(len(near_mm), dtype=int)
+    points = around_mm
     for k in range(ROUNDS):
+        points, _, normals = room.on_surface(points if k == 0 else found[owner] + APPROACH * (points - found[owner]), 2)
         found, rank = _meeting(found, owner, points, normals)
-        if k + 1 < ROUNDS:
-            points, _, normals = room.on_surface(found[owner] + APPROACH * (points - found[owner]), 2)
-    sharp = (rank > 1) & (np.linalg.norm(found - places_mm[numbers], axis=1) < 10.0 * np.ptp(places_mm, axis=0).max())
-    sharp[sharp] = np.abs(room.value(found[sharp])) < tolerance_mm
-    return numbers[sharp], found[sharp]
+    sharp = rank > 1
+    sharp[sharp] = np.abs(room.value(found[sharp])) < np.broadcast_to(tolerance_mm, sharp.shape)[sharp]
+    return found, sharp
 
 
 def _meeting(

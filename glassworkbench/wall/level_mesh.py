@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from glassworkbench.scene import Mesh
-from glassworkbench.wall.creases import in_own_cell, normals_on_sides, snapped_to_creases
+from glassworkbench.wall.creases import crease_points, in_own_cell, near_creases, normals_on_sides
 from glassworkbench.wall.dual_surface import DualSurface, dual_surface, mean_at
 from glassworkbench.wall.level_set import Grid
+from glassworkbench.wall.refining import Facets, folded, refined
 from glassworkbench.wall.room import Room
 
 SMOOTHINGS = 3
@@ -16,11 +17,8 @@ SMOOTHINGS = 3
 CREASE_SHARE = 0.01
 """A vertex on a crease may be this share of a step off the surface; else it is not put there."""
 
-FOLDED = 0.2
-"""A triangle whose normal has a smaller product with those at its corners is folded over."""
 
-
-def level_mesh(room: Room, grid: Grid, inside: np.ndarray) -> Mesh:
+def level_mesh(room: Room, grid: Grid, inside: np.ndarray, deviation_mm: float) -> Mesh:
     """Return the closed mesh around the nodes (nx, ny, nz) of a grid that are inside.
 
     No face of a cell may be ambiguous; see `dual_surface.without_ambiguity`.
@@ -37,22 +35,31 @@ def level_mesh(room: Room, grid: Grid, inside: np.ndarray) -> Mesh:
     aside -= np.einsum("ij,ij->i", aside, gradients)[:, None] * gradients
     points, _, gradients = room.on_surface(points + 0.5 * aside)
 
-    numbers, sharp = snapped_to_creases(room, points, gradients, edges, CREASE_SHARE * grid.step_mm)
-    own = in_own_cell(dual.cells[numbers], (sharp - grid.origin_mm) / grid.step_mm, dual.cells)
+    numbers = near_creases(gradients, edges)
+    row = np.full(len(points), -1)
+    row[numbers] = np.arange(len(numbers))
+    mine = edges[row[edges[:, 0]] >= 0]
+    owner, around = np.concatenate([row[mine[:, 0]], np.arange(len(numbers))]), np.concatenate([mine[:, 1], numbers])
+    sharp, found = crease_points(room, points[numbers], owner, points[around], CREASE_SHARE * grid.step_mm)
+    found &= in_own_cell(dual.cells[numbers], (sharp - grid.origin_mm) / grid.step_mm, dual.cells)
     snapped = points.copy()
-    snapped[numbers[own]] = sharp[own]
+    snapped[numbers[found]] = sharp[found]
     creased = np.zeros(len(points), dtype=bool)
-    creased[numbers[own]] = True
+    creased[numbers[found]] = True
     triangles = _triangles(room, dual, snapped, creased)
     while True:
-        folded = _folded(snapped, -gradients, creased, triangles)
-        back = np.unique(triangles[folded])
+        near = triangles[creased[triangles].any(axis=1)]
+        back = np.unique(near[folded(room, snapped, near)])
         back = back[creased[back]]
         if len(back) == 0:
             break
         snapped[back], creased[back] = points[back], False
         triangles = _triangles(room, dual, snapped, creased)
-    return Mesh(*_in_order(*normals_on_sides(room, snapped, -gradients, triangles, creased)))
+    facets = refined(room, Facets(snapped, gradients, creased, triangles), deviation_mm, grid.step_mm)
+    vertices, normals, triangles = normals_on_sides(
+        room, facets.points_mm, -facets.gradients, facets.triangles, facets.creased
+    )
+    return Mesh(vertices, triangles, normals)
 
 
 def _triangles(room: Room, dual: DualSurface, points: np.ndarray, creased: np.ndarray) -> np.ndarray:
@@ -69,17 +76,3 @@ def _triangles(room: Room, dual: DualSurface, points: np.ndarray, creased: np.nd
     one = np.where(first, quads[:, [0, 1, 2]], quads[:, [0, 1, 3]])
     other = np.where(first, quads[:, [0, 2, 3]], quads[:, [1, 2, 3]])
     return np.concatenate([one, other])
-
-
-def _folded(points: np.ndarray, normals: np.ndarray, creased: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    a, b, c = (points[triangles[:, k]] for k in range(3))
-    facets = np.cross(b - a, c - a)
-    facets /= np.maximum(np.linalg.norm(facets, axis=1, keepdims=True), 1e-300)
-    smooth = ~creased[triangles]
-    agree = np.einsum("ij,ikj->ik", facets, normals[triangles])
-    worst = np.where(smooth, agree, 1.0).min(axis=1)
-    return (worst < FOLDED) & creased[triangles].any(axis=1)
-
-
-def _in_order(vertices: np.ndarray, normals: np.ndarray, triangles: np.ndarray) -> tuple:
-    return vertices, triangles, normals
