@@ -1,0 +1,267 @@
+"""The cavity of a container that need not be round: one smooth surface through its curves in meridian half-planes."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+
+from glassworkbench.errors import GlassWorkbenchError
+from glassworkbench.freecad import FreeCAD, Part
+from glassworkbench.mold import Mold
+from glassworkbench.wall.asked import AskedThickness
+from glassworkbench.wall.candidate import Candidate
+from glassworkbench.wall.half_planes import Clearance, aligned, chosen_angles, floor_height, trace
+from glassworkbench.wall.loft_surface import LoftSurface, chord_parameters
+from glassworkbench.wall.outside import Outside
+from glassworkbench.wall.revolved import PAST_MOUTH_MM
+from glassworkbench.wall.solids import hollow_solid
+from glassworkbench.wall.worker import run_in_worker
+
+HALF_PLANES, ROWS = 48, 64
+"""The grid to begin with."""
+
+STEPS = 300
+"""The curve in a half-plane is traced by about this many steps."""
+
+MOST_LINES = 320
+"""The grid is not refined beyond this many columns, and as many rows."""
+
+PASSES = 7
+"""How often the grid is refined."""
+
+TOLERANCE_SHARE, TOLERANCE_MM = 0.008, 0.008
+"""Between its grid points the surface should come within this share of the thinnest wall, or this."""
+
+THIN_SHARE = 0.03
+"""Nowhere should the wall be thinner than asked by more than this share."""
+
+OFF_SHARE = 0.003
+"""Share of the surface that may be off by more than the tolerance, at creases."""
+
+SHORTEST_SHARE = 0.03
+"""No span of the grid is halved that is shorter everywhere than this share of the thinnest wall."""
+
+TURN_RAD, LONGEST_MM, MOST_PARTS = np.radians(4.0), 5.0, 6
+"""In the mesh each span of the grid is parted until it turns by less than this, and is not longer; but no further."""
+
+OTHER_PART_SHARE = 0.25
+"""Where the wanted cavity goes on outside the surface by more than this share of the wall, it has another part."""
+
+
+def lofted(mold: Mold, asked: AskedThickness, wall: Outside, seconds: float) -> Candidate:
+    """Return a container whose cavity is one smooth surface about the axis.
+
+    Parameters
+    ----------
+    mold : Mold
+    asked : AskedThickness
+    wall : Outside
+        The mold's outside with the thickness asked.
+    seconds : float
+        The grid is refined, and the solid cut, no longer than this.
+
+    Raises
+    ------
+    InputError
+        If the walls meet, so that the cavity is parted or vanishes; it says where, and how much is possible.
+    GlassWorkbenchError
+        If a half-plane through the axis meets the wanted inner surface in more than one curve.
+    """
+    end = time.monotonic() + seconds
+    anatomy = mold.anatomy
+    base, finish = anatomy.stem_top_mm or anatomy.push_up_mm, anatomy.finish_height_mm
+    floor = floor_height(wall.clearance, wall.distance, base, finish)
+    angles = chosen_angles(wall.clearance, floor, finish, HALF_PLANES)
+    step = (finish - floor + anatomy.maximum_radius_mm) / STEPS
+    meridians = aligned(trace(wall.clearance, angles, floor, finish, step), finish, ROWS)
+    across = np.column_stack([np.cos(angles), np.sin(angles)])
+    grid = np.concatenate([meridians[..., :1] * across, meridians[..., 1:]], axis=2)
+    grid[1:-1] = _settled(wall.clearance, grid[1:-1])
+    grid[-1] = _settled(wall.clearance, grid[-1], level=True)
+    surface = _refined(LoftSurface(*chord_parameters(grid), grid), wall.clearance, asked.minimum_mm, end)
+    u, v = _mesh_parameters(surface)
+    inside = surface.mesh(u, v)
+    _check_whole(wall, surface)
+    cavity, past_mouth = _bodies(surface)
+    solid = None if mold.upright is None else _solid(mold, cavity, past_mouth, end - time.monotonic())
+    return Candidate(solid, past_mouth, inside)
+
+
+def _settled(clearance: Clearance, points: np.ndarray, level: bool = False) -> np.ndarray:
+    """Return points (..., 3) moved onto the inner surface, straight away from or towards what decides about them."""
+    moved = points.reshape(-1, 3).copy()
+    rows = np.arange(len(moved))
+    for _ in range(8):
+        found = clearance(moved[rows])
+        away = moved[rows] - found.feet_mm
+        if level:
+            away[:, 2] = 0.0
+        full = np.maximum(np.linalg.norm(moved[rows] - found.feet_mm, axis=1), 1e-12)
+        squared = np.maximum(np.einsum("ij,ij->i", away, away), 0.05 * full**2)
+        moved[rows] -= (found.clearance_mm * full / squared)[:, None] * away
+        rows = rows[np.abs(found.clearance_mm) > 1e-5]
+        if not len(rows):
+            break
+    return moved.reshape(points.shape)
+
+
+def _refined(surface: LoftSurface, clearance: Clearance, thinnest_mm: float, end: float) -> LoftSurface:
+    """Return a surface with more columns and rows where it leaves the wanted one between them."""
+    for _ in range(PASSES):
+        lines = len(surface.u) + len(surface.v)
+        for halve in (_columns_halved, _rows_halved):
+            if time.monotonic() < end:
+                surface = halve(surface, clearance, thinnest_mm)
+        if len(surface.u) + len(surface.v) == lines:
+            break
+    return surface
+
+
+def _columns_halved(surface: LoftSurface, clearance: Clearance, thinnest_mm: float) -> LoftSurface:
+    between = 0.5 * (surface.u[1:] + surface.u[:-1])
+    points = surface.at(between, surface.v)
+    chords = np.linalg.norm(np.roll(surface.points, -1, axis=1) - surface.points, axis=2)[1:]
+    heights = np.linalg.norm(np.diff(surface.points, axis=0), axis=2)
+    off = clearance(points[1:].reshape(-1, 3)).clearance_mm.reshape(len(points) - 1, -1)
+    worst = _worst(off.T, (chords * heights).T, chords.T, thinnest_mm, MOST_LINES - len(between))
+    new = points[:, worst]
+    new[1:-1] = _settled(clearance, new[1:-1])
+    new[-1] = _settled(clearance, new[-1], level=True)
+    return surface.with_columns(between[worst], new)
+
+
+def _rows_halved(surface: LoftSurface, clearance: Clearance, thinnest_mm: float) -> LoftSurface:
+    between = 0.5 * (surface.v[1:] + surface.v[:-1])
+    points = surface.at(surface.u[:-1], between)
+    chords = np.linalg.norm(np.roll(surface.points, -1, axis=1) - surface.points, axis=2)[1:]
+    heights = np.linalg.norm(np.diff(surface.points, axis=0), axis=2)
+    off = clearance(points.reshape(-1, 3)).clearance_mm.reshape(len(points), -1)
+    worst = _worst(off, chords * heights, heights, thinnest_mm, MOST_LINES - len(between))
+    return surface.with_rows(between[worst], _settled(clearance, points[worst]))
+
+
+def _worst(off: np.ndarray, areas: np.ndarray, lengths: np.ndarray, thinnest_mm: float, room: int) -> np.ndarray:
+    """Return the numbers of the spans (of n, with m points each) that have to be halved, in order.
+
+    Parameters
+    ----------
+    off, areas, lengths : array (n, m)
+        Deviation at the points in the middle of the spans, the area each stands for, and the spans' lengths there.
+    """
+    tolerance = max(TOLERANCE_SHARE * thinnest_mm, TOLERANCE_MM)
+    thin = off < -max(THIN_SHARE * thinnest_mm, TOLERANCE_MM)
+    bad = (areas * ((np.abs(off) > tolerance) | thin)).sum(axis=1)
+    order = np.argsort(-bad, kind="stable")
+    left = bad.sum() - np.cumsum(bad[order])
+    needed = np.zeros(len(bad), dtype=bool)
+    needed[order[: 1 + int(np.searchsorted(-left, -OFF_SHARE * areas.sum()))]] = bad.sum() > OFF_SHARE * areas.sum()
+    needed |= thin.any(axis=1)
+    needed &= (bad > 0.0) & (lengths.max(axis=1) > SHORTEST_SHARE * thinnest_mm)
+    chosen = order[needed[order]][: max(room, 0)]
+    return np.sort(chosen)
+
+
+def _mesh_parameters(surface: LoftSurface) -> tuple[np.ndarray, np.ndarray]:
+    """Return parameters for a mesh whose triangles turn and stretch little."""
+    points, normals = surface.with_normals(surface.u, surface.v)
+    u = _parted(surface.u, points.swapaxes(0, 1)[:, 1:], normals.swapaxes(0, 1)[:, 1:])
+    return u[:-1], _parted(surface.v, points, normals)
+
+
+def _parted(knots: np.ndarray, points: np.ndarray, normals: np.ndarray) -> np.ndarray:
+    """Return knots (n,) with more in between, judged by the lines (n, m, 3) of points and normals."""
+    cosines = np.clip(np.einsum("ijk,ijk->ij", normals[1:], normals[:-1]), -1.0, 1.0)
+    lengths = np.linalg.norm(np.diff(points, axis=0), axis=2).max(axis=1)
+    parts = np.ceil(np.maximum(np.arccos(cosines).max(axis=1) / TURN_RAD, lengths / LONGEST_MM)).astype(int)
+    parts = np.clip(parts, 1, MOST_PARTS)
+    pieces = [
+        np.linspace(low, high, count, endpoint=False)
+        for low, high, count in zip(knots[:-1], knots[1:], parts, strict=True)
+    ]
+    return np.append(np.concatenate(pieces), knots[-1])
+
+
+def _check_whole(wall: Outside, surface: LoftSurface) -> None:
+    """Raise where points a little more than a wall behind the outside are wanted in the cavity, but are not in it."""
+    glass = ~wall.collar & (wall.corners_mm[:, :, 2].max(axis=1) < wall.finish_height_mm)
+    numbers = np.flatnonzero(glass)[:: max(1, int(glass.sum()) // 4000)]
+    normals = wall.normals[numbers].mean(axis=1)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+    depth = (1.0 + OTHER_PART_SHARE) * wall.thickness_mm[numbers].mean(axis=1)
+    points = wall.corners_mm[numbers].mean(axis=1) - depth[:, None] * normals
+    wanted = wall.clearance(points).clearance_mm > 0.5 * OTHER_PART_SHARE * wall.thickness_mm[numbers].mean(axis=1)
+    points = points[wanted & (points[:, 2] < wall.finish_height_mm)]
+    left_out = points[~_within(surface, points)]
+    if len(left_out):
+        x, y, z = left_out[0]
+        raise GlassWorkbenchError(
+            f"the half-plane at angle {np.degrees(np.arctan2(y, x)) % 360.0:.0f} degrees meets the body in more than one "
+            f"curve at height {z:.1f} mm"
+        )
+
+
+def _within(surface: LoftSurface, points: np.ndarray) -> np.ndarray:
+    """Tell whether points (n, 3) lie inside the surface's curve at their angle, between the two nearest columns."""
+    middle = surface.points[len(surface.v) // 2]
+    angles = np.unwrap(np.arctan2(middle[:, 1], middle[:, 0]))
+    angles = np.append(angles, angles[0] + 2.0 * np.pi)
+    own = angles[0] + (np.arctan2(points[:, 1], points[:, 0]) - angles[0]) % (2.0 * np.pi)
+    column = np.clip(np.searchsorted(angles, own, side="right") - 1, 0, len(angles) - 2)
+    share = (own - angles[column]) / (angles[column + 1] - angles[column])
+    after = (column + 1) % (len(angles) - 1)
+    flat = np.stack([np.hypot(surface.points[..., 0], surface.points[..., 1]), surface.points[..., 2]])
+    r, z = (1.0 - share) * flat[:, :, column] + share * flat[:, :, after]
+    crosses = (z[1:] > points[:, 2]) != (z[:-1] > points[:, 2])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        at = r[:-1] + (points[:, 2] - z[:-1]) / (z[1:] - z[:-1]) * (r[1:] - r[:-1])
+    return np.count_nonzero(crosses & (at > np.hypot(points[:, 0], points[:, 1])), axis=0) % 2 == 1
+
+
+def _bodies(surface: LoftSurface) -> tuple[Part.Shape, Part.Shape]:
+    """Return the cavity up to the finish plane, and reaching straight up past it, as solids."""
+    face = surface.face()
+    height = surface.points[-1, 0, 2]
+    mouth = next(
+        edge
+        for edge in face.Edges
+        if not edge.Degenerated and all(abs(vertex.Z - height) < 1e-6 for vertex in edge.Vertexes)
+        and abs(edge.CenterOfMass.z - height) < 1e-6
+    )
+    lid = Part.Face(Part.Wire([mouth]))
+    rise = FreeCAD.Vector(0.0, 0.0, PAST_MOUTH_MM)
+    collar = mouth.extrude(rise)
+    top = lid.copy()
+    top.translate(rise)
+    return _sewn([face, lid]), _sewn([face, *collar.Faces, top])
+
+
+def _sewn(faces: list[Part.Shape]) -> Part.Shape:
+    shell = Part.Shell(faces)
+    shell.sewShape(1e-6)
+    if len(shell.Shells) != 1 or not shell.Shells[0].isClosed():
+        raise GlassWorkbenchError("the inner surface does not close at the mouth")
+    solid = Part.Solid(shell.Shells[0])
+    return solid if solid.Volume > 0.0 else solid.reversed()
+
+
+def _solid(mold: Mold, cavity: Part.Shape, past_mouth: Part.Shape, seconds: float) -> Part.Shape:
+    try:
+        return hollow_solid(mold.upright, cavity, mold.anatomy.finish_face)
+    except GlassWorkbenchError:
+        # Slower, but it needs no exact match at the mouth.
+        return run_in_worker(cut, [mold.upright, past_mouth], {}, seconds)[0]
+
+
+def cut(outer: Part.Shape, past_mouth: Part.Shape) -> list[Part.Shape]:
+    """Return the outer solid without the cavity; for `run_in_worker`.
+
+    Raises
+    ------
+    GlassWorkbenchError
+        If not exactly one valid solid is left.
+    """
+    rest = outer.cut(past_mouth)
+    if len(rest.Solids) != 1 or not rest.isValid():
+        raise GlassWorkbenchError("the cavity does not come out of the outside as one valid solid")
+    return [rest.Solids[0]]
