@@ -98,8 +98,12 @@ def fit_cubic(points: np.ndarray, start: np.ndarray, end: np.ndarray) -> tuple[n
         v = 1.0 - w
         b1, b2 = 3 * w * v**2, 3 * w**2 * v
         fixed = np.outer(v**3 + b1, first) + np.outer(b2 + w**3, last)
-        matrix = np.column_stack([np.outer(b1, start).ravel(), -np.outer(b2, end).ravel()])
-        handles = np.linalg.lstsq(matrix, (points - fixed).ravel(), rcond=None)[0]
+        # Least squares for the two handles' lengths, by their normal equations.
+        rest = points - fixed
+        first_moment, last_moment = b1 @ (rest @ start), -b2 @ (rest @ end)
+        a, b, c = b1 @ b1, -(b1 @ b2) * (start @ end), b2 @ b2
+        handles = np.array([c * first_moment - b * last_moment, a * last_moment - b * first_moment])
+        handles /= max(a * c - b * b, 1e-300)
         # A handle that is not clearly forward would make a cusp; a third of the length is right to third order.
         handles = np.where(handles > 0.02 * length, handles, length / 3.0)
         segment = np.column_stack([[first, first + handles[0] * start, last - handles[1] * end, last], np.ones(4)])

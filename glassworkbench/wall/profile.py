@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from glassworkbench.errors import InputError
 from glassworkbench.wall.bezier import cut, evaluate, line, polyline, unit
+from glassworkbench.wall.bore import Bore
 from glassworkbench.wall.thickness import ThicknessOverHeight
 
 if TYPE_CHECKING:
@@ -88,6 +89,29 @@ def wall_meridian(outer: np.ndarray, anatomy: Anatomy, thickness: ThicknessOverH
     number = np.arange(len(segments))
     outside = (number >= int(stem)) & (number < len(segments) - (step is not None))
     return WallMeridian(segments, number < underside_count, outside, direction, float(anatomy.finish_height_mm))
+
+
+def below_bore(wall: WallMeridian, bore: Bore) -> WallMeridian:
+    """Return what of a wall lies below a bore's cylinder; above, the inside goes straight up."""
+    u = np.linspace(0.0, 1.0, 65)
+    for number in reversed(range(len(wall.segments))):
+        below = np.flatnonzero(evaluate(wall.segments[number], u)[0][:, 1] < bore.full_from_mm)
+        if len(below):
+            break
+    low = u[below[-1]]
+    high = u[min(below[-1] + 1, len(u) - 1)]
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        is_below = evaluate(wall.segments[number], np.array([middle]))[0][0, 1] < bore.full_from_mm
+        low, high = (middle, high) if is_below else (low, middle)
+    segments = np.array([*wall.segments[:number], cut(wall.segments[number], 0.0, high)])
+    return replace(
+        wall,
+        segments=segments,
+        underside=wall.underside[: number + 1],
+        outside=wall.outside[: number + 1],
+        lip_direction=np.array([0.0, 1.0]),
+    )
 
 
 def _above_stem(segments: np.ndarray, stem_top_mm: float, wall_mm: float) -> np.ndarray:
