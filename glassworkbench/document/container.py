@@ -16,15 +16,29 @@ from glassworkbench.wall import METHODS, Container, hollow
 from glassworkbench.wall.thickness import parse_thickness
 
 SCHEMA_VERSION = 1
+
+MOLD_KINDS = {
+    "Outer shape": {},
+    "Hollow container": {"outer_shell": True},
+    "Mold block": {"block": True},
+}
+"""What a source may be: full inside; hollow already, so that its outside is the mold; the solids of a mold block."""
+
 RESULT = READ_ONLY | OUTPUT
 PROPERTIES = (
     Property("App::PropertyLink", "Source", "Mold", "The solid whose outside is the container's outside"),
+    Property(
+        "App::PropertyEnumeration",
+        "MoldKind",
+        "Mold",
+        "What the source is: the outer shape of a container, a container whose outside is hollowed anew, or a mold block",
+    ),
     Property("App::PropertyLength", "WallThickness", "Wall", "Wall thickness, the same everywhere", 0, 3.0),
     Property(
         "App::PropertyString",
         "Wall",
         "Wall",
-        "Wall thickness in mm by region, like finish=2.5 neck=3 body=2 base=5; overrules Wall Thickness when not empty",
+        "Wall in mm as text, like finish=2.5 body=2 base=5, or @walls.csv; overrules Wall Thickness when not empty",
     ),
     Property("App::PropertyEnumeration", "Method", "Wall", "How the cavity is found; auto takes the first that fits"),
     Property(
@@ -49,7 +63,12 @@ PROPERTIES = (
 
 
 def make_container(
-    source: Any, wall: float | str = 3.0, glass: str = "flint", method: str = "auto", document: Any = None
+    source: Any,
+    wall: float | str = 3.0,
+    glass: str = "flint",
+    method: str = "auto",
+    document: Any = None,
+    mold_kind: str = "Outer shape",
 ) -> Any:
     """Add a container to a document: the hollow form of a solid.
 
@@ -65,6 +84,8 @@ def make_container(
         How the cavity is found, one of `glassworkbench.wall.METHODS`.
     document : optional
         That of `source` if not given.
+    mold_kind : str
+        What the source is, one of `MOLD_KINDS`.
 
     Returns
     -------
@@ -82,6 +103,8 @@ def make_container(
     find_glass(glass)
     if method not in METHODS:
         raise unknown_name("method", method, METHODS)
+    if mold_kind not in MOLD_KINDS:
+        raise unknown_name("mold_kind", mold_kind, tuple(MOLD_KINDS))
     document = document or source.Document
     obj = document.addObject("Part::FeaturePython", "Container")
     ContainerFeature(obj)
@@ -93,6 +116,7 @@ def make_container(
     set_wall(obj, wall)
     set_glass(obj, glass)
     obj.Method = method
+    obj.MoldKind = mold_kind
     obj.recompute()
     if obj.Fault:
         fault = obj.Fault
@@ -222,6 +246,7 @@ class ContainerFeature:
     def _complete(obj: Any) -> None:
         add_properties(obj, PROPERTIES)
         set_choices(obj, "Method", METHODS)
+        set_choices(obj, "MoldKind", MOLD_KINDS)
         set_choices(obj, "Glass", catalogue())
 
 
@@ -230,6 +255,7 @@ class _Made:
     """A container and what was asked for when it was made."""
 
     source: Any
+    kind: str
     wall: str
     method: str
     tolerance_mm: float
@@ -237,9 +263,9 @@ class _Made:
 
     def is_what_is_asked(self, obj: Any) -> bool:
         """Return whether hollowing again would give the same."""
-        asked = (wall_text(obj), obj.Method, obj.Tolerance.Value)
+        asked = (obj.MoldKind, wall_text(obj), obj.Method, obj.Tolerance.Value)
         return (
-            asked == (self.wall, self.method, self.tolerance_mm)
+            asked == (self.kind, self.wall, self.method, self.tolerance_mm)
             and obj.Source is not None
             and obj.Source.Shape.isSame(self.source)
         )
@@ -250,8 +276,8 @@ def _make(obj: Any) -> _Made:
         raise InputError("Source: no mold is linked; choose the solid to hollow")
     shape, wall, tolerance_mm = obj.Source.Shape, wall_text(obj), obj.Tolerance.Value
     try:
-        mold = mold_from_shape(shape, obj.Source.Label)
+        mold = mold_from_shape(shape, obj.Source.Label, **MOLD_KINDS[obj.MoldKind])
     except InputError as error:
         raise InputError(f"{obj.Source.Label}: {error}") from error
     container = hollow(mold, wall, method=obj.Method, tolerance_mm=tolerance_mm or None, seconds=obj.TimeLimit)
-    return _Made(shape, wall, obj.Method, tolerance_mm, container)
+    return _Made(shape, obj.MoldKind, wall, obj.Method, tolerance_mm, container)

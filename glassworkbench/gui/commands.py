@@ -78,14 +78,15 @@ class MakeContainer(_Command):
     )
 
     def accepts(self, obj: Any) -> bool:
-        """Return whether the object holds one solid to hollow."""
-        return obj.isDerivedFrom("Part::Feature") and not is_container(obj) and len(obj.Shape.Solids) == 1
+        """Return whether the object holds a solid to hollow, or those of a mold block."""
+        return obj.isDerivedFrom("Part::Feature") and not is_container(obj) and bool(obj.Shape.Solids)
 
     def run(self, obj: Any) -> None:
         """Open the panel."""
         settings = ContainerSettings(
             preferences.number("WallThickness", 3.0),
             preferences.text("Wall", ""),
+            "Outer shape" if len(obj.Shape.Solids) == 1 else "Mold block",
             "auto",
             preferences.text("Glass", "flint"),
         )
@@ -94,9 +95,15 @@ class MakeContainer(_Command):
 
     def _make(self, obj: Any, chosen: ContainerSettings) -> None:
         with one_step(obj.Document, translate("Glass_MakeContainer", "Make container")), _hollowing():
-            container = make_container(obj, chosen.regions or chosen.thickness_mm, chosen.glass, chosen.method)
+            container = make_container(
+                obj,
+                chosen.wall or chosen.thickness_mm,
+                chosen.glass,
+                chosen.method,
+                mold_kind=chosen.mold_kind,
+            )
         preferences.remember_number("WallThickness", chosen.thickness_mm)
-        preferences.remember_text("Wall", chosen.regions)
+        preferences.remember_text("Wall", chosen.wall)
         preferences.remember_text("Glass", chosen.glass)
         _select(container)
 
@@ -114,15 +121,15 @@ class EditContainer(_Command):
 
     def run(self, obj: Any) -> None:
         """Open the panel."""
-        settings = ContainerSettings(obj.WallThickness.Value, obj.Wall, obj.Method, obj.Glass)
+        settings = ContainerSettings(obj.WallThickness.Value, obj.Wall, obj.MoldKind, obj.Method, obj.Glass)
         FreeCADGui.Control.showDialog(ContainerPanel(obj.Label, settings, lambda chosen: self._change(obj, chosen)))
 
     def _change(self, obj: Any, chosen: ContainerSettings) -> None:
         with one_step(obj.Document, translate("Glass_EditContainer", "Edit container")), _hollowing():
             set_wall(obj, chosen.thickness_mm)
-            if chosen.regions:
-                set_wall(obj, chosen.regions)
-            obj.Method = chosen.method
+            if chosen.wall:
+                set_wall(obj, chosen.wall)
+            obj.MoldKind, obj.Method = chosen.mold_kind, chosen.method
             set_glass(obj, chosen.glass)
             obj.Document.recompute()
             if obj.Fault:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import FreeCADGui
 
+from glassworkbench.document.container import MOLD_KINDS
 from glassworkbench.errors import GlassWorkbenchError
 from glassworkbench.gui.feedback import show_error, translate
 from glassworkbench.gui.glass_list import GlassList
@@ -21,13 +22,14 @@ class ContainerSettings:
     Parameters
     ----------
     thickness_mm : float
-    regions : str
-        Thickness by region, overrules `thickness_mm` when not empty.
-    method, glass : str
+    wall : str
+        The wall as text, overrules `thickness_mm` when not empty.
+    mold_kind, method, glass : str
     """
 
     thickness_mm: float
-    regions: str
+    wall: str
+    mold_kind: str
     method: str
     glass: str
 
@@ -42,12 +44,20 @@ class ContainerPanel:
         self._thickness.setProperty("unit", "mm")
         self._thickness.setProperty("minimum", 0.0)
         self._thickness.setProperty("rawValue", settings.thickness_mm)
-        self._regions = QtWidgets.QLineEdit(settings.regions)
-        self._regions.setObjectName("regions")
-        self._regions.setPlaceholderText("finish=2.5 neck=3 body=2 base=5")
-        self._regions.setToolTip(
-            translate("Glass", "Thickness in mm by region: finish, neck, shoulder, body, heel, base; empty: the same")
+        self._wall = QtWidgets.QLineEdit(settings.wall)
+        self._wall.setObjectName("wall")
+        self._wall.setPlaceholderText("finish=2.5 neck=3 body=2 base=5")
+        self._wall.setToolTip(
+            translate(
+                "Glass",
+                "In mm by region (finish, neck, shoulder, body, heel, base), or over height as 0:5 40:2 300:3, or from a "
+                "table as @walls.csv, or by face as Face12=4 else=2; bore=18.5 may be added. Empty: the same everywhere",
+            )
         )
+        self._mold_kind = QtWidgets.QComboBox()
+        self._mold_kind.setObjectName("mold_kind")
+        self._mold_kind.addItems(list(MOLD_KINDS))
+        self._mold_kind.setCurrentText(settings.mold_kind)
         self._method = QtWidgets.QComboBox()
         self._method.setObjectName("method")
         self._method.addItems(list(METHODS))
@@ -57,8 +67,9 @@ class ContainerPanel:
         self.form = QtWidgets.QWidget()
         self.form.setWindowTitle(title)
         rows = QtWidgets.QFormLayout(self.form, rowWrapPolicy=QtWidgets.QFormLayout.WrapAllRows)
+        rows.addRow(translate("Glass", "The selected solid is"), self._mold_kind)
         rows.addRow(translate("Glass", "Wall thickness"), self._thickness)
-        rows.addRow(translate("Glass", "By region"), self._regions)
+        rows.addRow(translate("Glass", "Wall that varies"), self._wall)
         rows.addRow(translate("Glass", "Method"), self._method)
         rows.addRow(translate("Glass", "Glass"), self._glass)
 
@@ -66,7 +77,8 @@ class ContainerPanel:
         """Apply the settings and close; FreeCAD calls it on OK."""
         settings = ContainerSettings(
             thickness_mm=float(self._thickness.property("rawValue")),
-            regions=self._regions.text().strip(),
+            wall=self._wall.text().strip(),
+            mold_kind=self._mold_kind.currentText(),
             method=self._method.currentText(),
             glass=self._glass.chosen(),
         )
