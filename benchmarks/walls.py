@@ -25,7 +25,6 @@ BLOCKS = ("pp_mould_cup.step", "pp_mould_bowl.step")
 WALLS = ("1 mm", "2 mm", "3 mm", "2 %", "4 %", "8 %", "table", "grid")
 
 
-
 def molds() -> dict[str, dict]:
     """Return the molds' files and how each is read."""
     found = {path.stem: {"path": str(path)} for path in sorted((ROOT / "examples" / "molds").glob("*.step"))}
@@ -113,7 +112,9 @@ def show(lines: list[dict], methods: list[str]) -> None:
         feasible = [line for line in mine if line["outcome"] != "too thick"]
         right = [line for line in feasible if line["outcome"] == "right"]
         if mine:
-            print(f"{method}: {len(right)} of {len(feasible)} feasible cases right, {len(mine) - len(feasible)} too thick")
+            print(
+                f"{method}: {len(right)} of {len(feasible)} feasible cases right, {len(mine) - len(feasible)} too thick"
+            )
         for made in sorted({line["method"] for line in right}):
             seconds = [line["seconds"] for line in right if line["method"] == made]
             print(f"  {made}: {len(seconds)}, median {statistics.median(seconds):.1f} s, longest {max(seconds):.1f} s")

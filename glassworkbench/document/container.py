@@ -31,7 +31,7 @@ PROPERTIES = (
         "App::PropertyEnumeration",
         "MoldKind",
         "Mold",
-        "What the source is: the outer shape of a container, a container whose outside is hollowed anew, or a mold block",
+        "What the source is: a container's outer shape, a container whose outside is hollowed anew, or a mold block",
     ),
     Property("App::PropertyLength", "WallThickness", "Wall", "Wall thickness, the same everywhere", 0, 3.0),
     Property(

@@ -50,8 +50,8 @@ class ContainerPanel:
         self._wall.setToolTip(
             translate(
                 "Glass",
-                "In mm by region (finish, neck, shoulder, body, heel, base), or over height as 0:5 40:2 300:3, or from a "
-                "table as @walls.csv, or by face as Face12=4 else=2; bore=18.5 may be added. Empty: the same everywhere",
+                "In mm by region (finish, neck, shoulder, body, heel, base), or over height as 0:5 40:2 300:3, or from "
+                "a table as @walls.csv, or by face as Face12=4 else=2; bore=18.5 may be added. Empty: uniform",
             )
         )
         self._mold_kind = QtWidgets.QComboBox()

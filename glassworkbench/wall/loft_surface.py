@@ -263,9 +263,11 @@ def _solved(matrix: np.ndarray, right: np.ndarray, creases: np.ndarray, given: n
     solved = np.empty_like(right)
     if (~lines).any():
         plain = right[~lines]
-        solved[~lines] = np.linalg.solve(matrix, plain.transpose(1, 0, 2).reshape(len(matrix), -1)).reshape(
-            len(matrix), -1, 3
-        ).transpose(1, 0, 2)
+        solved[~lines] = (
+            np.linalg.solve(matrix, plain.transpose(1, 0, 2).reshape(len(matrix), -1))
+            .reshape(len(matrix), -1, 3)
+            .transpose(1, 0, 2)
+        )
     for line in np.flatnonzero(lines):
         own, at = matrix.copy(), np.flatnonzero(creases[line])
         own[at] = 0.0

@@ -225,7 +225,8 @@ def _bodies(surface: LoftSurface) -> tuple[Part.Shape, Part.Shape]:
     mouth = next(
         edge
         for edge in face.Edges
-        if not edge.Degenerated and all(abs(vertex.Z - height) < 1e-6 for vertex in edge.Vertexes)
+        if not edge.Degenerated
+        and all(abs(vertex.Z - height) < 1e-6 for vertex in edge.Vertexes)
         and abs(edge.CenterOfMass.z - height) < 1e-6
     )
     lid = Part.Face(Part.Wire([mouth]))

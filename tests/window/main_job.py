@@ -55,7 +55,7 @@ def main_job(facts):
     # A wall that cannot be: one sentence, and nothing changes.
     FreeCADGui.runCommand("Glass_MakeContainer")
     yield lambda: task_panel_button("Ok")
-    child(window, "regions").setText("body=2 knee=3")
+    child(window, "wall").setText("body=2 knee=3")
     objects_before = len(document.Objects)
     later(task_panel_button("Ok").click)
     yield lambda: QtWidgets.QApplication.activeModalWidget()
@@ -64,7 +64,7 @@ def main_job(facts):
     facts["objects_after_bad_wall"] = len(document.Objects) - objects_before
     facts["undo_after_bad_wall"] = document.UndoCount
 
-    child(window, "regions").setText("")
+    child(window, "wall").setText("")
     child(window, "thickness").setProperty("rawValue", 3.0)
     later(task_panel_button("Ok").click)
     started = time.monotonic()
