@@ -11,6 +11,7 @@ import os
 import re
 import signal
 import sys
+import textwrap
 import time
 import traceback
 import warnings
@@ -142,7 +143,7 @@ def _parse(arguments: Sequence[str]) -> argparse.Namespace:
 
 
 def _prepare_inspect(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("mold", metavar="MOLD", help="STEP, IGES, BREP or FCStd file")
+    parser.add_argument("mold", metavar="MOLD", help="STEP, IGES, BREP or FCStd file, or a mesh (STL, OBJ, PLY)")
     _add_mold_options(parser)
     parser.add_argument("--json", action="store_true", help="answer in JSON")
 
@@ -156,16 +157,47 @@ def _inspect(options: argparse.Namespace) -> None:
     print(_json(found) if options.json else "\n".join(_lines(found)))
 
 
-def _lines(found: Mapping, indent: str = "") -> Iterator[str]:
+TIED = "\N{NO-BREAK SPACE}"
+"""Between words that stay in one line."""
+
+SHAPE_ENTITY = re.compile(
+    r"(?!.*(STYLE|REPRESENTATION|PCURVE))"
+    r".*(SURFACE|PLANE$|CURVE|^LINE$|CIRCLE|ELLIPSE|PARABOLA|HYPERBOLA|POLYLINE|BREP|SHELL|FACE$)"
+)
+"""Which of a STEP file's entities are told; JSON has all."""
+
+_UNITS = {"_mm3": "mm3", "_mm": "mm", "_deg": "degrees"}
+
+
+def _lines(found: Mapping) -> Iterator[str]:
+    """Yield what was found as two columns: names, and values with their units, one below the other where several."""
     for key, value in found.items():
-        label = f"{indent}{key.replace('_', ' ')}:"
-        if isinstance(value, Mapping):
-            yield label
-            yield from _lines(value, indent + "  ")
-        elif isinstance(value, (list, tuple)):
-            yield f"{label} {', '.join(_short(item) for item in value) or 'none'}"
-        else:
-            yield f"{label} {_short(value)}"
+        name, unit = next(
+            ((key.removesuffix(end), unit) for end, unit in _UNITS.items() if key.endswith(end)), (key, "")
+        )
+        told = _told_values(key, value, f" {unit}" if unit and value is not None else "")
+        label = name.replace("_", " ").replace("finish face", "finish is face")
+        for text in told or ["none"]:
+            yield textwrap.fill(text, 110, initial_indent=f"{label:20} ", subsequent_indent=21 * " ")
+            label = ""
+
+
+def _told_values(key: str, value: object, unit: str) -> list[str]:
+    if key == "hollow" and value:
+        return ["yes; the mold can be its outside (--outer-shell)"]
+    if key == "regions" and value is not None:
+        return [f"{region} from {_short(low)} to {_short(high)} mm" for region, (low, high) in value.items()]
+    if key == "departure_at" and value is not None:
+        return [f"height {_short(value['height_mm'])} mm, {_short(value['angle_deg'])} degrees from x about the axis"]
+    if isinstance(value, Mapping):
+        kinds = value if key != "entities" else filter(SHAPE_ENTITY.match, value)
+        told = ", ".join(f"{value[kind]}{TIED}{kind.replace('_', TIED).lower()}" for kind in kinds)
+        return [told] if told else []
+    if isinstance(value, (list, tuple)) and value and isinstance(value[0], str):
+        return [f"- {sentence}" for sentence in value]
+    if isinstance(value, (list, tuple)):
+        return [f"{', '.join(map(_short, value))}{unit}"] if value else []
+    return [f"{_short(value)}{unit}"]
 
 
 def _short(value: object) -> str:

@@ -291,7 +291,7 @@ def test_a_hollow_container_is_inspected_by_its_outer_shell(tmp_path, capsys):
 
 
 def test_rounding_is_not_told_as_a_length(capsys):
-    assert list(_lines({"base_point_mm": [-8.88e-16, -1.0, 0.25]})) == ["base point mm: 0, -1, 0.25"]
+    assert list(_lines({"base_point_mm": [-8.88e-16, -1.0, 0.25]})) == ["base point           0, -1, 0.25 mm"]
 
 
 @pytest.mark.parametrize("asked", [["--tolerance", "0.01"], ["--seconds", "1"]])

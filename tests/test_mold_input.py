@@ -151,3 +151,15 @@ def test_other_kinds_of_file_hold_the_same_mold(tmp_path, ending):
     anatomy = read_mold(path).anatomy
     assert anatomy.height_mm == pytest.approx(60, abs=1e-6)
     assert anatomy.maximum_radius_mm == pytest.approx(20, abs=1e-6)
+
+
+def test_inspect_says_where_a_mold_departs_from_a_body_of_revolution(write):
+    found = inspect(write(Part.makeCylinder(20, 60).fuse(Part.makeBox(4, 10, 8, FreeCAD.Vector(-2, 15, 30)))))
+    assert found["departure_mm"] == pytest.approx((25**2 + 2**2) ** 0.5 - 20, abs=1e-3)
+    assert 30 <= found["departure_at"]["height_mm"] <= 38
+    assert found["departure_at"]["angle_deg"] == pytest.approx(90, abs=6)
+
+
+def test_inspect_takes_a_doubtful_size_for_a_fault(write):
+    found = inspect(write(Part.makeCylinder(3, 8)))
+    assert "unusual for a container" in found["faults"][0]

@@ -15,9 +15,12 @@ from glassworkbench.mold.anatomy import Anatomy
 from glassworkbench.mold.axis import Standing, find_standing, is_hollow, to_upright
 from glassworkbench.mold.cavity import looks_like_block
 from glassworkbench.mold.closing import closed_solid
-from glassworkbench.mold.measures import signed_volume
-from glassworkbench.mold.mold import mold_from_shape, outward, single_solid
-from glassworkbench.mold.read import STEP_ENDINGS, read_shape, sha256
+from glassworkbench.mold.faults import faults
+from glassworkbench.mold.files import read_mesh_mm
+from glassworkbench.mold.measures import mesh_of, signed_volume
+from glassworkbench.mold.mesh_mold import mold_from_mesh
+from glassworkbench.mold.mold import Mold, mold_from_shape, outward, single_solid
+from glassworkbench.mold.read import MESH_ENDINGS, STEP_ENDINGS, read_shape, sha256
 
 STEP_ENTITY = re.compile(r"#\d+\s*=\s*([A-Z][A-Z0-9_]*)\s*\(")
 STEP_SI_LENGTH = re.compile(r"LENGTH_UNIT\s*\(\s*\)[^;]*?SI_UNIT\s*\(\s*(?:\.(\w+)\.|\$)\s*,\s*\.METRE\.")
@@ -34,6 +37,7 @@ UNKNOWN = (
     "finish_face",
     "push_up_mm",
     "departure_mm",
+    "departure_at",
     "revolved",
     "regions",
 )
@@ -54,7 +58,7 @@ def inspect(
     Parameters
     ----------
     path : path
-        STEP, IGES, BREP or FCStd.
+        STEP, IGES, BREP, FCStd, or a mesh (STL, OBJ, PLY), whose only `faces` are triangles.
     scale_to_mm : float, optional
         Multiplies every length.
     finish_height_mm, outer_shell, block, close_open_shell : optional
@@ -73,47 +77,74 @@ def inspect(
         If the file cannot be read at all; what can be read but not used is told under `faults`.
     """
     path = Path(path)
+    if path.suffix.lower() in MESH_ENDINGS:
+        return _inspect_mesh(path, scale_to_mm, outer_shell, close_open_shell)
     shape = read_shape(path, scale_to_mm=scale_to_mm)
     text = path.read_text(encoding="latin-1") if path.suffix.lower() in STEP_ENDINGS else ""
+    unit = _unit(text)
     found = {
         "path": str(path),
         "sha256": sha256(path),
-        "unit": _unit(text),
+        "unit": unit,
         "entities": dict(Counter(STEP_ENTITY.findall(text)).most_common()),
         "faces": dict(Counter(type(face.Surface).__name__ for face in shape.Faces).most_common()),
         "solids": len(shape.Solids),
         **dict.fromkeys(UNKNOWN),
-        "faults": _faults(shape),
+        "faults": faults(shape, unit),
     }
     try:
-        if block:
-            mold = mold_from_shape(shape, path.stem, finish_height_mm=finish_height_mm, block=True)
-            volume = signed_volume(*outward(mold.solid)[1:])
-            return (
-                found
-                | {"mesh_volume_mm3": volume, "hollow": False, "faults": [*found["faults"], *mold.repairs]}
-                | (_full_mold(mold.anatomy))
-            )
-        if looks_like_block(shape):
+        if looks_like_block(shape) and not block:
             raise InputError(
                 f"it holds {len(shape.Solids)} solids that look like a mold block; use --block (block=True)"
             )
+        if block or finish_height_mm is not None:
+            options = {"block": block, "close_open_shell": close_open_shell, "finish_height_mm": finish_height_mm}
+            mold = mold_from_shape(shape, path.stem, outer_shell=outer_shell, **options)
+            return _with_mold(found | {"hollow": False}, mold)
         if close_open_shell:
             shape, repairs = closed_solid(shape)
             found["faults"] += repairs
         solid, vertices, triangles = outward(single_solid(shape))
         found["mesh_volume_mm3"] = signed_volume(vertices, triangles)
-        if finish_height_mm is None:
-            standing = find_standing(solid, vertices, triangles)
-            found["hollow"] = is_hollow(standing, vertices, triangles)
+        standing = find_standing(solid, vertices, triangles)
+        found["hollow"] = is_hollow(standing, vertices, triangles)
         if found["hollow"] and not outer_shell:
-            found |= _hollow_container(solid, standing, vertices)
-        else:
-            mold = mold_from_shape(solid, path.stem, finish_height_mm=finish_height_mm, outer_shell=outer_shell)
-            found |= _full_mold(mold.anatomy)
+            return found | _hollow_container(solid, standing, vertices, found["faults"])
+        return _with_mold(found, mold_from_shape(solid, path.stem, outer_shell=outer_shell))
     except InputError as error:
         found["faults"].append(str(error))
     return found
+
+
+def _inspect_mesh(path: Path, scale_to_mm: float | None, outer_shell: bool, close_open_shell: bool) -> dict:
+    vertices, triangles = read_mesh_mm(path, scale_to_mm)
+    found = {
+        "path": str(path),
+        "sha256": sha256(path),
+        "unit": None,
+        "entities": {},
+        "faces": {"Triangle": len(triangles)},
+        "solids": 0,
+        **dict.fromkeys(UNKNOWN),
+        "faults": [],
+    }
+    try:
+        options = {"outer_shell": outer_shell, "close_open_shell": close_open_shell}
+        return _with_mold(found | {"hollow": False}, mold_from_mesh(vertices, triangles, path.stem, **options))
+    except InputError as error:
+        found["faults"].append(str(error))
+    return found
+
+
+def _with_mold(found: dict, mold: Mold) -> dict:
+    told = {"faults": [*found["faults"], *mold.repairs]}
+    return found | {"mesh_volume_mm3": _volume_mm3(mold)} | _full_mold(mold.anatomy) | told
+
+
+def _volume_mm3(mold: Mold) -> float:
+    if mold.mesh is not None:
+        return signed_volume(mold.mesh.vertices_mm, mold.mesh.triangles)
+    return signed_volume(*mesh_of(mold.upright))
 
 
 def _full_mold(anatomy: Anatomy) -> dict:
@@ -123,20 +154,28 @@ def _full_mold(anatomy: Anatomy) -> dict:
         "height_mm": anatomy.height_mm,
         "finish_height_mm": anatomy.finish_height_mm,
         "finish_outer_radius_mm": anatomy.finish_outer_radius_mm,
-        "finish_face": anatomy.finish_face,
+        "finish_face": anatomy.finish_face or None,
         "push_up_mm": anatomy.push_up_mm,
         "departure_mm": anatomy.departure_mm,
+        "departure_at": {"height_mm": float(anatomy.departure_at_mm[2]), "angle_deg": _angle_deg(anatomy)},
         "revolved": anatomy.is_revolved,
         "regions": {region: list(heights) for region, heights in anatomy.regions.items()},
     }
 
 
-def _hollow_container(solid: Part.Shape, standing: Standing, vertices_mm: np.ndarray) -> dict:
+def _angle_deg(anatomy: Anatomy) -> float:
+    """Return the angle about the axis, from the upright container's x axis, at which it departs the most."""
+    x, y, _ = anatomy.departure_at_mm
+    return float(np.degrees(np.arctan2(y, x)) % 360.0)
+
+
+def _hollow_container(solid: Part.Shape, standing: Standing, vertices_mm: np.ndarray, told: list[str]) -> dict:
     rim = {"finish_face": standing.finish_face or None}
     try:
-        return _full_mold(mold_from_shape(solid, "", outer_shell=True).anatomy) | rim
-    except InputError:
-        return _heights(standing, vertices_mm) | rim
+        mold = mold_from_shape(solid, "", outer_shell=True)
+    except InputError as error:
+        return _heights(standing, vertices_mm) | rim | {"faults": [*told, str(error)]}
+    return _full_mold(mold.anatomy) | rim | {"faults": [*told, *mold.repairs]}
 
 
 def _heights(standing: Standing, vertices_mm: np.ndarray) -> dict:
@@ -159,15 +198,3 @@ def _unit(step_text: str) -> str | None:
         return named.group(1).lower()
     si = STEP_SI_LENGTH.search(step_text)
     return f"{(si.group(1) or '').lower()}metre" if si else None
-
-
-def _faults(shape: Part.Shape) -> list[str]:
-    faults = []
-    if not shape.isValid():
-        faults.append("OCC finds the shape invalid; repair it in the CAD program if hollowing fails")
-    broken = sum(
-        type(face.Surface).__name__ == "BSplineSurface" and face.Surface.Continuity == "C0" for face in shape.Faces
-    )
-    if broken:
-        faults.append(f"{broken} B-spline faces have kinks (C0), which OCC cannot offset before it splits them")
-    return faults
