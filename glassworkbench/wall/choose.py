@@ -30,7 +30,8 @@ from glassworkbench.wall.profile import wall_meridian
 from glassworkbench.wall.revolved import offset_meridian
 from glassworkbench.wall.solids import hollow_solid, revolved_solid
 from glassworkbench.wall.thick_solid import thick_solid
-from glassworkbench.wall.thickness import Thickness, ThicknessOverHeight, UniformThickness, parse_thickness
+from glassworkbench.wall.thickness import Thickness, ThicknessOverHeight, UniformThickness
+from glassworkbench.wall.thickness_text import parse_thickness
 from glassworkbench.wall.worker import run_in_worker
 
 METHODS = ("auto", "revolved", "thick_solid")
