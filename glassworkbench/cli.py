@@ -246,7 +246,8 @@ def _add_wall_options(parser: argparse.ArgumentParser, required: bool) -> None:
         "--wall",
         required=required,
         metavar="SPEC",
-        help="thickness in mm, as 3, or 'finish=2.5 body=2 base=5', or @wall.csv with height_mm,thickness_mm",
+        help="thickness in mm, as 3, or 'finish=2.5 body=2 base=5', or 'Face12=4 else=2', or @wall.csv with "
+        "height_mm,thickness_mm or height_mm,angle_deg,thickness_mm; 'bore=18.5' with any gives the finish its bore",
     )
     parser.add_argument("--method", metavar="M", help="how to hollow (auto)")
     _add_mold_options(parser)
@@ -500,7 +501,9 @@ def _check_files(options: argparse.Namespace, outputs: Sequence[Path]) -> None:
     outputs = list(outputs) if options.report is None else [*outputs, check_writable(options.report)]
     read = [options.mold]
     if (options.wall or "").startswith("@"):
-        read.append(options.wall[1:])
+        from glassworkbench.wall.thickness_text import table_file
+
+        read.append(table_file(options.wall))
     taken = {Path(path).resolve(): "it is read from, and would be overwritten" for path in read}
     for path in outputs:
         if path.resolve() in taken:

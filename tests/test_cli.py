@@ -245,11 +245,12 @@ def test_a_scene_is_never_overwritten(tmp_path, capsys):
     assert scene.read_bytes() == Path(BALL).read_bytes()
 
 
-def test_a_table_of_the_wall_is_never_overwritten(tmp_path, capsys):
+@pytest.mark.parametrize("more", ["", " linear", " bore=18.5"])
+def test_a_table_of_the_wall_is_never_overwritten(tmp_path, capsys, more):
     table = tmp_path / "wall.csv"
     table.write_text("height_mm,thickness_mm\n0,3\n300,3\n")
-    arguments = ["hollow", WINE_BOTTLE, "--wall", f"@{table}", "-o", str(tmp_path / "x.step"), "--report", str(table)]
-    assert main(arguments) == 2
+    arguments = ["hollow", WINE_BOTTLE, "--wall", f"@{table}{more}", "-o", str(tmp_path / "x.step")]
+    assert main([*arguments, "--report", str(table)]) == 2
     assert "it is read from" in told(capsys)
     assert table.read_text().startswith("height_mm")
 

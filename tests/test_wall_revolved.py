@@ -12,7 +12,7 @@ from glassworkbench.wall.bezier import crossings, evaluate, fit_cubic, line, pol
 from glassworkbench.wall.measure import measure_revolved, revolved_volume
 from glassworkbench.wall.profile import wall_meridian
 from glassworkbench.wall.revolved import offset_meridian
-from glassworkbench.wall.thickness import parse_thickness
+from glassworkbench.wall.thickness_text import parse_thickness
 
 
 def arc(centre, radius, start_deg, end_deg):

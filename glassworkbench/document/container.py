@@ -13,7 +13,7 @@ from glassworkbench.mold import mold_from_shape
 from glassworkbench.scene import ContainerGeometry
 from glassworkbench.settings import unknown_name
 from glassworkbench.wall import METHODS, Container, hollow
-from glassworkbench.wall.thickness import parse_thickness
+from glassworkbench.wall.thickness_text import parse_thickness
 
 SCHEMA_VERSION = 1
 
@@ -38,7 +38,8 @@ PROPERTIES = (
         "App::PropertyString",
         "Wall",
         "Wall",
-        "Wall in mm as text, like finish=2.5 body=2 base=5, or @walls.csv; overrules Wall Thickness when not empty",
+        "Wall that varies, in mm, like finish=2.5 neck=3 body=2 base=5, or 0:5 40:2 300:3, or @wall.csv; "
+        "overrules Wall Thickness when not empty",
     ),
     Property("App::PropertyEnumeration", "Method", "Wall", "How the cavity is found; auto takes the first that fits"),
     Property(

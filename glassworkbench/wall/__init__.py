@@ -4,16 +4,22 @@ from glassworkbench.wall.choose import METHODS, hollow
 from glassworkbench.wall.container import Container, WallReport
 from glassworkbench.wall.existing import container_from_shape, read_container
 from glassworkbench.wall.thickness import (
+    BoredThickness,
+    FaceThickness,
+    GridThickness,
     RegionalThickness,
     TabulatedThickness,
     Thickness,
     UniformThickness,
-    parse_thickness,
 )
+from glassworkbench.wall.thickness_text import parse_thickness
 
 __all__ = [
     "METHODS",
+    "BoredThickness",
     "Container",
+    "FaceThickness",
+    "GridThickness",
     "RegionalThickness",
     "TabulatedThickness",
     "Thickness",

@@ -1,98 +1,37 @@
-"""How thick the wall shall be: one number, a table over height, or a number per region."""
+"""How thick the wall shall be, as data: uniform, by region, over height, over height and angle, by face; with a bore.
+
+The text of each, `str(thickness)`, is what `thickness_text.parse_thickness` reads.
+"""
 
 from __future__ import annotations
 
-import csv
 import itertools
-import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from glassworkbench.errors import InputError
-from glassworkbench.scene.validate import finite
+from glassworkbench.errors import GlassWorkbenchError, InputError
+from glassworkbench.scene.validate import finite, positive
 from glassworkbench.settings import unknown_name
+from glassworkbench.wall.asked import AskedThickness, asked_by_angle, asked_by_face, asked_over_height, with_bore
+from glassworkbench.wall.interpolation import TURN_DEG, PeriodicGrid
+from glassworkbench.wall.limits import thickness_mm
+from glassworkbench.wall.over_height import ThicknessOverHeight
 
 if TYPE_CHECKING:
-    from glassworkbench.mold import Anatomy
+    from glassworkbench.mold import Anatomy, Mold
 
-REGIONS = ("finish", "neck", "shoulder", "body", "heel", "base")
+REGIONS = ("finish", "neck", "shoulder", "body", "stem", "heel", "base")
 
 INTERPOLATIONS = ("smooth", "linear")
 
 BLEND_SHARE = 0.25
 """A region hands over to its neighbour within this share of its own height."""
 
-THINNEST_MM = 0.01
-"""No wall of glass is thinner; whoever asks for less has probably taken another unit."""
-
 COVER_SLACK = 0.005
 """A table may end this share of the height short of the base or the finish; its end value holds there."""
-
-
-@dataclass(frozen=True, eq=False)
-class ThicknessOverHeight:
-    """The thickness asked at each height of one particular mold.
-
-    Parameters
-    ----------
-    heights_mm, thicknesses_mm : array (n,)
-        Heights above the lowest point, ascending, n >= 1; the end values hold beyond the ends.
-    interpolation : {"smooth", "linear"}
-        Smooth is monotone and piecewise cubic.
-    underside_mm : float, optional
-        Thickness of the base inside the ring it stands on, where that differs from what the height says: a
-        push-up rises to heights that belong to the heel.
-    """
-
-    heights_mm: np.ndarray
-    thicknesses_mm: np.ndarray
-    interpolation: str = "smooth"
-    underside_mm: float | None = None
-
-    @property
-    def uniform_mm(self) -> float | None:
-        """The thickness, if it is the same everywhere."""
-        values = set(map(float, self.thicknesses_mm))
-        if self.underside_mm is not None:
-            values.add(self.underside_mm)
-        return values.pop() if len(values) == 1 else None
-
-    @property
-    def minimum_mm(self) -> float:
-        """The smallest thickness asked anywhere."""
-        return float(min(self.thicknesses_mm.min(), np.inf if self.underside_mm is None else self.underside_mm))
-
-    @property
-    def maximum_mm(self) -> float:
-        """The largest thickness asked anywhere."""
-        return float(max(self.thicknesses_mm.max(), -np.inf if self.underside_mm is None else self.underside_mm))
-
-    def at(self, height_mm: np.ndarray, underside: np.ndarray | bool = False) -> np.ndarray:
-        """Return the thickness (mm) at heights of any shape; `underside` marks points inside the standing ring."""
-        thickness = self._interpolate(np.asarray(height_mm, dtype=np.float64), derivative=False)
-        return thickness if self.underside_mm is None else np.where(underside, self.underside_mm, thickness)
-
-    def slope(self, height_mm: np.ndarray, underside: np.ndarray | bool = False) -> np.ndarray:
-        """Return the change of thickness per mm of height."""
-        slope = self._interpolate(np.asarray(height_mm, dtype=np.float64), derivative=True)
-        return slope if self.underside_mm is None else np.where(underside, 0.0, slope)
-
-    def _interpolate(self, height_mm: np.ndarray, derivative: bool) -> np.ndarray:
-        if len(self.heights_mm) == 1:
-            return np.full(height_mm.shape, 0.0 if derivative else self.thicknesses_mm[0])
-        if self.interpolation == "smooth":
-            value, slope = monotone_cubic(self.heights_mm, self.thicknesses_mm, height_mm)
-        else:
-            value = np.interp(height_mm, self.heights_mm, self.thicknesses_mm)
-            steps = np.diff(self.thicknesses_mm) / np.diff(self.heights_mm)
-            row = np.clip(np.searchsorted(self.heights_mm, height_mm, side="right") - 1, 0, len(steps) - 1)
-            beyond = (height_mm < self.heights_mm[0]) | (height_mm > self.heights_mm[-1])
-            slope = np.where(beyond, 0.0, steps[row])
-        return slope if derivative else value
 
 
 @dataclass(frozen=True)
@@ -102,10 +41,14 @@ class UniformThickness:
     thickness_mm: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "thickness_mm", _thickness(self.thickness_mm, "wall"))
+        object.__setattr__(self, "thickness_mm", thickness_mm(self.thickness_mm, "wall"))
 
     def __str__(self) -> str:
         return _number(self.thickness_mm)
+
+    def on(self, mold: Mold) -> AskedThickness:
+        """Return the thickness at each point of a mold's outside."""
+        return asked_over_height(mold, self.over_height(mold.anatomy))
 
     def over_height(self, anatomy: Anatomy) -> ThicknessOverHeight:
         """Return the thickness at each height of a mold."""
@@ -135,18 +78,14 @@ class TabulatedThickness:
 
     def __post_init__(self) -> None:
         heights = tuple(finite(height, "wall height_mm") for height in self.heights_mm)
-        thicknesses = tuple(_thickness(value, "wall thickness_mm") for value in self.thicknesses_mm)
+        thicknesses = tuple(thickness_mm(value, "wall thickness_mm") for value in self.thicknesses_mm)
         if len(heights) != len(thicknesses):
             raise InputError(
                 f"wall table: {len(heights)} heights but {len(thicknesses)} thicknesses; give one for each"
             )
         if len(heights) < 2:
             raise InputError("wall table: it needs at least two rows; for a uniform wall give one number")
-        for low, high in itertools.pairwise(heights):
-            if high <= low:
-                raise InputError(
-                    f"wall table: height {_number(high)} mm follows {_number(low)} mm; sort the rows by height"
-                )
+        _check_ascending(heights)
         _known(self.interpolation, INTERPOLATIONS, "wall interpolation")
         object.__setattr__(self, "heights_mm", heights)
         object.__setattr__(self, "thicknesses_mm", thicknesses)
@@ -154,7 +93,11 @@ class TabulatedThickness:
     def __str__(self) -> str:
         rows = zip(self.heights_mm, self.thicknesses_mm, strict=True)
         text = " ".join(f"{_number(height)}:{_number(thickness)}" for height, thickness in rows)
-        return text if self.interpolation == "smooth" else f"{text} {self.interpolation}"
+        return _with_interpolation(text, self.interpolation)
+
+    def on(self, mold: Mold) -> AskedThickness:
+        """Return the thickness at each point of a mold's outside; raises as `over_height`."""
+        return asked_over_height(mold, self.over_height(mold.anatomy))
 
     def over_height(self, anatomy: Anatomy) -> ThicknessOverHeight:
         """Return the thickness at each height of a mold.
@@ -164,13 +107,7 @@ class TabulatedThickness:
         InputError
             If the table does not reach from the mold's lowest point to its finish.
         """
-        height = anatomy.finish_height_mm
-        low, high = self.heights_mm[0], self.heights_mm[-1]
-        if low > COVER_SLACK * height or high < (1.0 - COVER_SLACK) * height:
-            raise InputError(
-                f"wall table: it covers heights {low:g} to {high:g} mm, but the container reaches from 0 to "
-                f"{height:g} mm; add rows for the rest"
-            )
+        _check_covers(self.heights_mm, anatomy)
         return ThicknessOverHeight(np.array(self.heights_mm), np.array(self.thicknesses_mm), self.interpolation)
 
 
@@ -178,11 +115,13 @@ class TabulatedThickness:
 class RegionalThickness:
     """A thickness per region of the container, blended smoothly from each to the next.
 
+    The underside inside the standing ring has the base's thickness, however high it is pushed up; where the base is
+    not named, that of the lowest region which is. A stem and the foot under it stay solid whatever they are given.
+
     Parameters
     ----------
     regions : tuple of (str, float)
-        From `REGIONS`, each at most once. A region of the mold that is not named blends between its named
-        neighbours; one that the mold does not have is passed over.
+        From `REGIONS`, each at most once. A region of the mold that is not named blends between its named neighbours.
     """
 
     regions: tuple[tuple[str, float], ...]
@@ -196,10 +135,14 @@ class RegionalThickness:
             _known(name, REGIONS, "wall region")
             if names.count(name) > 1:
                 raise InputError(f"wall region {name}: given twice; give it once")
-        object.__setattr__(self, "regions", tuple((name, _thickness(value, f"wall {name}")) for name, value in pairs))
+        object.__setattr__(self, "regions", tuple((name, thickness_mm(value, f"wall {name}")) for name, value in pairs))
 
     def __str__(self) -> str:
         return " ".join(f"{name}={_number(value)}" for name, value in self.regions)
+
+    def on(self, mold: Mold) -> AskedThickness:
+        """Return the thickness at each point of a mold's outside; raises as `over_height`."""
+        return asked_over_height(mold, self.over_height(mold.anatomy))
 
     def over_height(self, anatomy: Anatomy) -> ThicknessOverHeight:
         """Return the thickness at each height of a mold.
@@ -207,176 +150,258 @@ class RegionalThickness:
         Raises
         ------
         InputError
-            If the mold has none of the regions named.
+            If the mold lacks a region that is named, or no region is named that has a wall.
         """
         asked = dict(self.regions)
-        present = sorted((low, high, asked[name]) for name, (low, high) in anatomy.regions.items() if name in asked)
-        if not present:
+        for name in asked:
+            if name not in anatomy.regions:
+                raise InputError(f"wall {name}: the mold has no {name}; it has {', '.join(anatomy.regions)}")
+        hollow = {name: ends for name, ends in anatomy.regions.items() if ends[1] > anatomy.stem_top_mm}
+        walls = sorted((low, high, asked[name]) for name, (low, high) in hollow.items() if name in asked)
+        if not walls:
             raise InputError(
-                f"wall: the mold has none of the regions {', '.join(asked)}; it has {', '.join(anatomy.regions)}"
+                f"wall: {' and '.join(asked)} of a stemmed glass stay solid; give the thickness of {', '.join(hollow)}"
             )
         rows: dict[float, float] = {}
-        for low, high, value in present:
+        for low, high, value in walls:
             inset = BLEND_SHARE * (high - low)
             rows[low + inset] = value
             rows[high - inset] = value
         heights = np.array(sorted(rows))
         thicknesses = np.array([rows[height] for height in heights])
-        return ThicknessOverHeight(heights, thicknesses, underside_mm=asked.get("base"))
+        return ThicknessOverHeight(heights, thicknesses, underside_mm=walls[0][2])
 
 
-Thickness = UniformThickness | TabulatedThickness | RegionalThickness
-
-
-def parse_thickness(text: str) -> Thickness:
-    """Read a wall specification.
+@dataclass(frozen=True)
+class GridThickness:
+    """A table over height and angle, periodic in angle.
 
     Parameters
     ----------
-    text : str
-        ``3`` or ``3mm``; ``finish=2.5 body=2 heel=4 base=5``; ``@wall.csv`` with columns height_mm and thickness_mm;
-        or the table itself, ``0:5 40:2 300:3`` (height:thickness). A table may end in ``linear``.
-        ``parse_thickness(str(thickness)) == thickness`` for every thickness.
+    heights_mm : tuple of float
+        At least two, ascending from the lowest point of the container; they must reach its finish.
+    angles_deg : tuple of float
+        At least two, ascending from 0 to 360 about the axis, counter-clockwise from the upright container's +x as seen
+        from above. 0 and 360 are the same angle: where both are given, their thicknesses must agree.
+    thicknesses_mm : tuple of tuple of float
+        A row for each height, with a thickness for each angle.
+    interpolation : {"smooth", "linear"}
+        Smooth is bicubic and never leaves the range of the four values around; see `interpolation.PeriodicGrid`.
 
     Raises
     ------
     InputError
-        If the text is none of these, or a number in it is impossible.
+        If a thickness is not above 0, a number not finite, an angle beyond 0 to 360, or heights or angles do not
+        ascend.
     """
-    words = text.split()
-    if not words:
-        raise InputError("wall: it is empty; give a thickness in mm, like 3")
-    if words[0].startswith("@"):
-        path, interpolation = _interpolation_after(text.strip()[1:])
-        return read_thickness_table(path, interpolation)
-    if any(":" in word for word in words):
-        table, interpolation = _interpolation_after(text)
-        return _inline_table(table.split(), interpolation)
-    if any("=" in word for word in words):
-        return RegionalThickness(tuple(_region(word) for word in words))
-    return UniformThickness(_millimetres(text.strip(), "wall"))
 
+    heights_mm: tuple[float, ...]
+    angles_deg: tuple[float, ...]
+    thicknesses_mm: tuple[tuple[float, ...], ...]
+    interpolation: str = "smooth"
 
-def read_thickness_table(path: str | Path, interpolation: str = "smooth") -> TabulatedThickness:
-    """Read a table over height from a CSV file with columns height_mm and thickness_mm.
-
-    Semicolons or tabs may stand between the columns; then decimal commas are understood.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, a column is missing, or a cell is empty or no number.
-    """
-    try:
-        lines = Path(path).read_text(encoding="utf-8-sig").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "it is not a text file"
-        raise InputError(f"wall table {path}: cannot be read ({reason}); give a CSV file") from error
-    numbered = [(number, line) for number, line in enumerate(lines, start=1) if line.strip()]
-    if not numbered:
-        raise InputError(f"wall table {path}: it is empty; the first line must name height_mm and thickness_mm")
-    delimiter = next((mark for mark in ";\t" if mark in numbered[0][1]), ",")
-    rows = list(csv.reader((line for _, line in numbered), delimiter=delimiter))
-    header = [cell.strip() for cell in rows[0]]
-    if "angle_deg" in header:
-        raise InputError(f"wall table {path}: a wall that varies with angle_deg is not supported; remove that column")
-    for column in ("height_mm", "thickness_mm"):
-        if column not in header:
-            raise InputError(f"wall table {path}: no column {column}; the first line must name height_mm, thickness_mm")
-    columns = header.index("height_mm"), header.index("thickness_mm")
-    heights, thicknesses = [], []
-    for (number, _), row in zip(numbered[1:], rows[1:], strict=True):
-        if len(row) != len(header):
+    def __post_init__(self) -> None:
+        heights = tuple(finite(height, "wall height_mm") for height in self.heights_mm)
+        angles = tuple(finite(angle, "wall angle_deg") for angle in self.angles_deg)
+        rows = tuple(tuple(thickness_mm(value, "wall thickness_mm") for value in row) for row in self.thicknesses_mm)
+        if len(rows) != len(heights) or any(len(row) != len(angles) for row in rows):
             raise InputError(
-                f"wall table {path}, line {number}: {len(row)} cells where the first line has {len(header)}"
+                f"wall grid: it needs {len(heights)} rows of {len(angles)} thicknesses, one for each height and angle"
             )
-        cells = [row[column].strip() for column in columns]
-        heights.append(_millimetres(cells[0], f"wall table {path}, line {number}, height_mm"))
-        thicknesses.append(_millimetres(cells[1], f"wall table {path}, line {number}, thickness_mm"))
-    try:
-        return TabulatedThickness(tuple(heights), tuple(thicknesses), interpolation)
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from error
+        if len(heights) < 2:
+            raise InputError("wall grid: it needs at least two heights; repeat the row where the wall is the same")
+        _check_ascending(heights)
+        for angle in angles:
+            if not 0.0 <= angle <= TURN_DEG:
+                raise InputError(
+                    f"wall grid: angle {_number(angle)} deg is not within 0 to 360; add or take full turns"
+                )
+        for low, high in itertools.pairwise(angles):
+            if high <= low:
+                raise InputError(
+                    f"wall grid: angle {_number(high)} deg follows {_number(low)} deg; give each angle once, ascending"
+                )
+        if angles and angles[-1] == TURN_DEG:
+            if angles[0] == 0.0:
+                for height, row in zip(heights, rows, strict=True):
+                    if row[0] != row[-1]:
+                        raise InputError(
+                            f"wall grid: at height {_number(height)} mm, 0 deg has {_number(row[0])} mm but 360 deg, "
+                            f"the same angle, {_number(row[-1])} mm; leave one out"
+                        )
+                rows = tuple(row[:-1] for row in rows)
+                angles = angles[:-1]
+            else:
+                rows = tuple((row[-1], *row[:-1]) for row in rows)
+                angles = (0.0, *angles[:-1])
+        if len(angles) < 2:
+            raise InputError("wall grid: it needs at least two angles; for a table over height leave the angles out")
+        _known(self.interpolation, INTERPOLATIONS, "wall interpolation")
+        object.__setattr__(self, "heights_mm", heights)
+        object.__setattr__(self, "angles_deg", angles)
+        object.__setattr__(self, "thicknesses_mm", rows)
+
+    @classmethod
+    def from_points(cls, points: Iterable[tuple[float, float, float]], interpolation: str = "smooth") -> GridThickness:
+        """Return the grid that points (height_mm, angle_deg, thickness_mm) make, given row after row.
+
+        Raises
+        ------
+        InputError
+            If the rows are not sorted by height, or one lacks an angle that another has; else as the class.
+        """
+        rows: dict[float, dict[float, float]] = {}
+        previous = -np.inf
+        for height, angle, thickness in points:
+            height, angle = finite(height, "wall height_mm"), finite(angle, "wall angle_deg")
+            if height < previous:
+                _check_ascending((previous, height))
+            previous = height
+            row = rows.setdefault(height, {})
+            if angle in row:
+                raise InputError(
+                    f"wall grid: height {_number(height)} mm, angle {_number(angle)} deg is given twice; give it once"
+                )
+            row[angle] = thickness
+        angles = sorted({angle for row in rows.values() for angle in row})
+        for height, row in rows.items():
+            for angle in angles:
+                if angle not in row:
+                    raise InputError(
+                        f"wall grid: height {_number(height)} mm lacks angle {_number(angle)} deg, which another "
+                        "height has; give every height the same angles"
+                    )
+        return cls(
+            tuple(rows),
+            tuple(angles),
+            tuple(tuple(row[angle] for angle in angles) for row in rows.values()),
+            interpolation,
+        )
+
+    def __str__(self) -> str:
+        text = " ".join(
+            f"{_number(height)}@{_number(angle)}:{_number(thickness)}"
+            for height, row in zip(self.heights_mm, self.thicknesses_mm, strict=True)
+            for angle, thickness in zip(self.angles_deg, row, strict=True)
+        )
+        return _with_interpolation(text, self.interpolation)
+
+    def on(self, mold: Mold) -> AskedThickness:
+        """Return the thickness at each point of a mold's outside.
+
+        Raises
+        ------
+        InputError
+            If the grid does not reach from the mold's lowest point to its finish.
+        """
+        _check_covers(self.heights_mm, mold.anatomy)
+        arrays = map(np.array, (self.heights_mm, self.angles_deg, self.thicknesses_mm))
+        return asked_by_angle(mold, PeriodicGrid(*arrays, smooth=self.interpolation == "smooth"))
+
+    def over_height(self, anatomy: Anatomy) -> ThicknessOverHeight:
+        """Raise: the height alone does not tell this thickness."""
+        raise GlassWorkbenchError("wall: no method makes a wall that varies with the angle; give a table over height")
 
 
-def monotone_cubic(knots: np.ndarray, values: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Interpolate without overshoot; the end values hold beyond the ends.
+@dataclass(frozen=True)
+class FaceThickness:
+    """A thickness per CAD face: a step across sharp edges, a smooth blend across smooth ones.
 
     Parameters
     ----------
-    knots, values : array (n,)
-        Knots ascending, n >= 2.
-    x : array
-        Where to interpolate, any shape.
-
-    Returns
-    -------
-    value, slope : array
-        Shaped like x.
-
-    Notes
-    -----
-    Piecewise cubic Hermite interpolation (PCHIP), slopes by Fritsch and Butland, SIAM J. Sci. Stat. Comput. 5 (1984)
-    300: weighted harmonic means of the neighbouring secants; at the ends the three-point formula, limited as by
-    Moler, Numerical Computing with MATLAB (2004), section 3.6.
+    faces : tuple of (int, float)
+        Numbers as FreeCAD counts the faces of the mold's solid, from 1, each at most once.
+    otherwise_mm : float
+        Of all faces that are not named.
     """
-    steps = np.diff(knots)
-    secants = np.diff(values) / steps
-    slopes = np.full(len(knots), secants[0])
-    if len(steps) > 1:
-        before, after = secants[:-1], secants[1:]
-        same = before * after > 0.0
-        weight_before, weight_after = 2 * steps[1:] + steps[:-1], steps[1:] + 2 * steps[:-1]
-        inverse = weight_before / np.where(same, before, 1.0) + weight_after / np.where(same, after, 1.0)
-        slopes[1:-1] = np.where(same, (weight_before + weight_after) / inverse, 0.0)
-        slopes[0] = _end_slope(steps[0], steps[1], secants[0], secants[1])
-        slopes[-1] = _end_slope(steps[-1], steps[-2], secants[-1], secants[-2])
 
-    row = np.clip(np.searchsorted(knots, x, side="right") - 1, 0, len(steps) - 1)
-    step, start, secant = steps[row], slopes[row], secants[row]
-    u = np.clip((x - knots[row]) / step, 0.0, 1.0)
-    quadratic = 3 * secant - 2 * start - slopes[row + 1]
-    cubic = start + slopes[row + 1] - 2 * secant
-    value = values[row] + step * u * (start + u * (quadratic + u * cubic))
-    slope = start + u * (2 * quadratic + u * 3 * cubic)
-    return value, np.where((x < knots[0]) | (x > knots[-1]), 0.0, slope)
+    faces: tuple[tuple[int, float], ...]
+    otherwise_mm: float
 
+    def __post_init__(self) -> None:
+        pairs = tuple(self.faces.items() if isinstance(self.faces, Mapping) else self.faces)
+        if not pairs:
+            raise InputError("wall: no face is named; give one like Face12=4, or one number for all")
+        numbers = [number for number, _ in pairs]
+        for number in numbers:
+            if not isinstance(number, int) or number < 1:
+                raise InputError(f"wall Face{number}: faces are counted from 1; give a whole number")
+            if numbers.count(number) > 1:
+                raise InputError(f"wall Face{number}: given twice; give it once")
+        faces = tuple((number, thickness_mm(value, f"wall Face{number}")) for number, value in pairs)
+        object.__setattr__(self, "faces", faces)
+        object.__setattr__(self, "otherwise_mm", thickness_mm(self.otherwise_mm, "wall else"))
 
-def _end_slope(step: float, next_step: float, secant: float, next_secant: float) -> float:
-    slope = ((2 * step + next_step) * secant - step * next_secant) / (step + next_step)
-    if slope * secant <= 0.0:
-        return 0.0
-    if secant * next_secant <= 0.0 and abs(slope) > 3 * abs(secant):
-        return 3 * secant
-    return slope
+    def __str__(self) -> str:
+        named = (f"Face{number}={_number(value)}" for number, value in self.faces)
+        return " ".join((*named, f"else={_number(self.otherwise_mm)}"))
 
+    def on(self, mold: Mold) -> AskedThickness:
+        """Return the thickness at each point of a mold's outside.
 
-def _inline_table(words: list[str], interpolation: str) -> TabulatedThickness:
-    pairs = []
-    for word in words:
-        height, colon, thickness = word.partition(":")
-        if not colon:
-            raise InputError(f"wall {word!r}: expected height:thickness in mm, like 120:2.5")
-        pairs.append((_millimetres(height, f"wall {word!r}"), _millimetres(thickness, f"wall {word!r}")))
-    heights, thicknesses = zip(*pairs, strict=True)
-    return TabulatedThickness(heights, thicknesses, interpolation)
+        Raises
+        ------
+        InputError
+            If the mold has no CAD faces, or not those that are named, or one of them closes the mouth.
+        """
+        return asked_by_face(mold, dict(self.faces), self.otherwise_mm)
+
+    def over_height(self, anatomy: Anatomy) -> ThicknessOverHeight:
+        """Raise: the height alone does not tell this thickness."""
+        raise GlassWorkbenchError("wall: no method makes a wall that varies by face; give a table over height")
 
 
-def _interpolation_after(text: str) -> tuple[str, str]:
-    head, _, last = text.strip().rpartition(" ")
-    return (head.strip(), last) if head and last in INTERPOLATIONS else (text.strip(), "smooth")
+@dataclass(frozen=True)
+class BoredThickness:
+    """Any thickness, with a bore prescribed for the finish.
+
+    Parameters
+    ----------
+    wall : UniformThickness, TabulatedThickness, RegionalThickness, GridThickness or FaceThickness
+    bore_mm : float
+        Diameter of the inside of the finish; see `bore.bore_in` for how far down it reaches.
+    """
+
+    wall: UniformThickness | TabulatedThickness | RegionalThickness | GridThickness | FaceThickness
+    bore_mm: float
+
+    def __post_init__(self) -> None:
+        if isinstance(self.wall, BoredThickness):
+            raise InputError("wall bore: given twice; give it once")
+        object.__setattr__(self, "bore_mm", positive(self.bore_mm, "wall bore"))
+
+    def __str__(self) -> str:
+        return f"{self.wall} bore={_number(self.bore_mm)}"
+
+    def on(self, mold: Mold) -> AskedThickness:
+        """Return the thickness at each point of a mold's outside; raises as `wall.on`, or if the bore does not fit."""
+        return with_bore(self.wall.on(mold), mold, self.bore_mm)
+
+    def over_height(self, anatomy: Anatomy) -> ThicknessOverHeight:
+        """Raise: the height alone does not tell this thickness."""
+        raise GlassWorkbenchError("wall bore: no method makes a prescribed bore; give finish=... as thickness instead")
 
 
-def _region(word: str) -> tuple[str, float]:
-    name, equals, value = word.partition("=")
-    if not equals:
-        raise InputError(f"wall {word!r}: expected region=thickness, like body=2")
-    if name == "bore":
-        raise InputError("wall bore: a prescribed bore is not supported; give finish=... as thickness instead")
-    if name == "else" or re.fullmatch(r"Face\d+", name):
-        raise InputError(f"wall {name}: a thickness per face is not supported; name a region: {', '.join(REGIONS)}")
-    _known(name, REGIONS, "wall region")
-    return name, _millimetres(value, f"wall {name}")
+Thickness = UniformThickness | TabulatedThickness | RegionalThickness | GridThickness | FaceThickness | BoredThickness
+
+
+def _check_ascending(heights: tuple[float, ...]) -> None:
+    for low, high in itertools.pairwise(heights):
+        if high == low:
+            raise InputError(f"wall table: height {_number(high)} mm is given twice; give each height once, sorted")
+        if high < low:
+            raise InputError(
+                f"wall table: height {_number(high)} mm follows {_number(low)} mm; sort the rows by height"
+            )
+
+
+def _check_covers(heights: tuple[float, ...], anatomy: Anatomy) -> None:
+    height, low, high = anatomy.finish_height_mm, heights[0], heights[-1]
+    if low > COVER_SLACK * height or high < (1.0 - COVER_SLACK) * height:
+        raise InputError(
+            f"wall table: it covers heights {low:g} to {high:g} mm, but the container reaches from 0 to "
+            f"{height:g} mm; add rows for the rest"
+        )
 
 
 def _known(name: str, names: tuple[str, ...], field: str) -> None:
@@ -384,21 +409,8 @@ def _known(name: str, names: tuple[str, ...], field: str) -> None:
         raise unknown_name(field, name, names)
 
 
-def _millimetres(text: str, field: str) -> float:
-    match = re.fullmatch(r"(.+?)\s*(?:mm)?", text)
-    try:
-        return float(match[1].replace(",", "."))
-    except (TypeError, ValueError) as error:
-        raise InputError(f"{field}: expected a number of mm, got {text!r}") from error
-
-
-def _thickness(value: object, field: str) -> float:
-    number = finite(value, field)
-    if number <= 0.0:
-        raise InputError(f"{field}: must be above 0 mm, got {number:g}")
-    if number < THINNEST_MM:
-        raise InputError(f"{field}: must be at least {THINNEST_MM:g} mm, got {number:g}; lengths are in mm")
-    return number
+def _with_interpolation(text: str, interpolation: str) -> str:
+    return text if interpolation == "smooth" else f"{text} {interpolation}"
 
 
 def _number(value: float) -> str:
