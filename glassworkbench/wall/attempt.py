@@ -100,8 +100,8 @@ def attempt(mold: Mold, thickness: Thickness, method: str, tolerance_mm: float, 
 
 
 def _capacity(candidate: Candidate) -> Volume:
-    if candidate.chain is not None:
-        return revolved_volume(candidate.chain)
+    if candidate.meridian is not None:
+        return revolved_volume(candidate.meridian)
     return mesh_volume(candidate.inside)
 
 

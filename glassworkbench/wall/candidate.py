@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from glassworkbench.freecad import Part
 from glassworkbench.scene import Mesh, Surface
 
@@ -22,9 +24,12 @@ class Candidate:
         The cavity closed level at the finish plane: what is measured, and what the capacity is taken from.
     notes : tuple of str
         Sentences that the user should read, like where the wall cannot be as thick as asked.
+    meridian : array (n, 4, 3) or None
+        The inside's rational cubic Bezier chain, closed at the finish plane, where it is turned: volumes are exact then.
     """
 
     solid: Part.Shape | None
     cavity: Surface | Part.Shape
     inside: Mesh
     notes: tuple[str, ...] = ()
+    meridian: np.ndarray | None = None

@@ -124,8 +124,8 @@ class Container:
     thickness : Thickness
     method : str
         The method that made the cavity.
-    solid : Part.Shape
-        The glass, one closed solid in CAD coordinates.
+    solid : Part.Shape or None
+        The glass, one closed solid in CAD coordinates; None where there are only meshes.
     cavity : Surface or Part.Shape
         What is taken away from the outside, upright, reaching past the mouth.
     report : WallReport
@@ -134,13 +134,13 @@ class Container:
     mold: Mold
     thickness: Thickness
     method: str
-    solid: Part.Shape
-    cavity: Revolved | Part.Shape
+    solid: Part.Shape | None
+    cavity: Surface | Part.Shape
     report: WallReport
 
     def geometry(self) -> ContainerGeometry:
         """Return the container as a station takes it: upright, on surfaces that the tracer knows."""
-        return geometry_within(self.mold, self.cavity if isinstance(self.cavity, Revolved) else fine_mesh(self.cavity))
+        return geometry_within(self.mold, fine_mesh(self.cavity) if isinstance(self.cavity, Part.Shape) else self.cavity)
 
     def save(self, path: str | Path) -> None:
         """Write the solid as STEP, BREP, FCStd or STL, by the path's ending.
@@ -163,7 +163,10 @@ class Container:
 def geometry_within(mold: Mold, cavity: Surface) -> ContainerGeometry:
     """Return a container by its outer shape and its cavity (upright), as a station takes it."""
     anatomy = mold.anatomy
-    outer = Revolved(outer_meridian(mold)) if anatomy.is_revolved else fine_mesh(mold.upright)
+    if mold.mesh is not None:
+        outer = mold.mesh
+    else:
+        outer = Revolved(outer_meridian(mold)) if anatomy.is_revolved else fine_mesh(mold.upright)
     if isinstance(outer, Mesh):
         low, high = outer.vertices_mm.min(axis=0), outer.vertices_mm.max(axis=0)
     else:

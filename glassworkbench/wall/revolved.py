@@ -61,7 +61,7 @@ def revolved(mold: Mold, asked: AskedThickness, wall: Outside, seconds: float) -
     solid = None
     if mold.upright is not None:
         solid = hollow_solid(mold.upright, revolved_solid(cavity), anatomy.finish_face)
-    return Candidate(solid, Revolved(cavity.past_mouth), inside)
+    return Candidate(solid, Revolved(cavity.past_mouth), inside, meridian=cavity.segments)
 
 
 def _check_behind_embossing(inside: Mesh, wall: Outside, asked: AskedThickness) -> None:
