@@ -15,6 +15,9 @@ from glassworkbench.wall.interpolation import PeriodicGrid, smooth_step
 from glassworkbench.wall.over_height import ThicknessOverHeight
 from glassworkbench.wall.underside import underside_of
 
+STEM_FADE_SHARE = 0.1
+"""The thickness of a stemmed glass depends on the angle fully this share of the height above the stem."""
+
 
 @dataclass(frozen=True, eq=False)
 class AskedThickness:
@@ -63,10 +66,11 @@ def asked_over_height(mold: Mold, over_height: ThicknessOverHeight) -> AskedThic
 def asked_by_angle(mold: Mold, grid: PeriodicGrid) -> AskedThickness:
     """Return a thickness that depends on height and angle.
 
-    On the underside all angles meet at the axis; toward it the thickness becomes the mean over the angle, so that the
-    inside has no pucker there.
+    All angles meet at the axis of the underside, and nearly so where a stem opens into the bowl; toward these the
+    thickness becomes the mean over the angle, so that the inside has no pucker there.
     """
     underside = underside_of(mold)
+    stem_top, fade = mold.anatomy.stem_top_mm, STEM_FADE_SHARE * mold.anatomy.height_mm
     mean = ThicknessOverHeight(
         grid.heights, grid.mean_over_angle(), interpolation="smooth" if grid.smooth else "linear"
     )
@@ -74,11 +78,12 @@ def asked_by_angle(mold: Mold, grid: PeriodicGrid) -> AskedThickness:
     def at(points_mm: np.ndarray, faces: np.ndarray) -> np.ndarray:
         height = points_mm[:, 2]
         thickness = grid.at(height, np.degrees(np.arctan2(points_mm[:, 1], points_mm[:, 0])))
-        inner = np.flatnonzero(underside.holds(points_mm))
-        points = points_mm[inner]
-        share = smooth_step(np.hypot(points[:, 0], points[:, 1]) / underside.ring_radius(points))
-        thickness[inner] = share * thickness[inner] + (1.0 - share) * mean.at(height[inner])
-        return thickness
+        if stem_top > 0.0:
+            share = smooth_step((height - stem_top) / fade)
+        else:
+            from_axis = np.hypot(points_mm[:, 0], points_mm[:, 1]) / underside.ring_radius(points_mm)
+            share = np.where(underside.holds(points_mm), smooth_step(from_axis), 1.0)
+        return share * thickness + (1.0 - share) * mean.at(height)
 
     return AskedThickness(at, float(grid.values.min()), float(grid.values.max()))
 

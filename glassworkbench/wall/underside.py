@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from glassworkbench.mold import Mold, outside_mesh
+from glassworkbench.mold import Mold
+from glassworkbench.mold.measures import mesh_of
 from glassworkbench.mold.meridian import points
 
 LEVEL_SHARE = 1e-6
@@ -17,8 +18,6 @@ NEAR_SHARE = 2e-3
 
 RING_SHARE = 2e-4
 """A container that is not round stands on what is this near (share of its height) to the lowest point."""
-
-DEVIATION_MM = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +76,7 @@ def underside_of(mold: Mold) -> Underside:
 
 def _ring(mold: Mold) -> np.ndarray:
     """Return the corners (n, 2) of the convex outline of what a mold that is not round stands on."""
-    vertices = outside_mesh(mold, DEVIATION_MM)[0].vertices_mm
+    vertices = mesh_of(mold.upright)[0] if mold.mesh is None else mold.mesh.vertices_mm
     outline = _convex_outline(vertices[vertices[:, 2] <= RING_SHARE * mold.anatomy.height_mm, :2])
     after = np.roll(outline, -1, axis=0)
     if len(outline) > 2 and np.all(outline[:, 0] * after[:, 1] - outline[:, 1] * after[:, 0] > 0.0):
