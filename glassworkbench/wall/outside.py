@@ -147,7 +147,9 @@ def outside_of_mesh(
     finish_height_mm : float
     thickness_at : callable
     """
-    keep = ~mouth & ~_lip(mesh, finish_height_mm)
+    embossed = find_embossed(mesh)
+    # The upper flank of a thread near the mouth leans inward, too.
+    keep = ~mouth & (embossed | ~_lip(mesh, finish_height_mm))
     corners, normals, face = mesh.vertices_mm[mesh.triangles[keep]], mesh.normals[mesh.triangles[keep]], faces[keep]
     corners, normals, thickness, face, origin = _refined(corners, normals, face, thickness_at)
     top = finish_height_mm + 2.0 * float(thickness.max()) + LIP_ZONE_MM
@@ -159,7 +161,7 @@ def outside_of_mesh(
         np.concatenate([face, np.zeros(len(collar), dtype=face.dtype)]),
         np.arange(len(corners) + len(collar)) >= len(corners),
         finish_height_mm,
-        np.concatenate([find_embossed(mesh)[keep][origin], np.zeros(len(collar), dtype=bool)]),
+        np.concatenate([embossed[keep][origin], np.zeros(len(collar), dtype=bool)]),
     )
 
 
