@@ -16,21 +16,16 @@ from glassworkbench.scene import Mesh, Revolved
 from glassworkbench.scene.validate import positive
 from glassworkbench.settings import unknown_name
 from glassworkbench.wall.container import Attempt, Container, SolidFacts, WallReport
-from glassworkbench.wall.measure import (
-    Volume,
-    WallMeasure,
-    clearance_to_mesh,
-    measure_mesh,
-    measure_revolved,
-    mesh_volume,
-    revolved_volume,
-    weight_g,
-)
+from glassworkbench.wall.contents import weight_g
+from glassworkbench.wall.measure import WallMeasure, measure_wall
+from glassworkbench.wall.measure_meridian import clearance_to_mesh, measure_revolved
+from glassworkbench.wall.outside import outside
 from glassworkbench.wall.profile import wall_meridian
 from glassworkbench.wall.revolved import offset_meridian
 from glassworkbench.wall.solids import hollow_solid, revolved_solid
 from glassworkbench.wall.thick_solid import thick_solid
 from glassworkbench.wall.thickness import Thickness, ThicknessOverHeight, UniformThickness, parse_thickness
+from glassworkbench.wall.volumes import Volume, mesh_volume, revolved_volume
 from glassworkbench.wall.worker import run_in_worker
 
 METHODS = ("auto", "revolved", "thick_solid")
@@ -178,10 +173,11 @@ def _check_behind_embossing(outer: Mesh, cavity: np.ndarray, mold: Mold, asked: 
 def _thick_solid(mold: Mold, asked: ThicknessOverHeight, seconds: float) -> _Candidate:
     arguments = {"finish_face": mold.anatomy.finish_face, "thickness_mm": asked.uniform_mm}
     solid, cavity, past_mouth = run_in_worker(thick_solid, [mold.upright], arguments, seconds)
-    outer_mesh, cavity_mesh = tessellate(mold.upright, MEASURED_DEVIATION_MM), tessellate(cavity, MEASURED_DEVIATION_MM)
+    cavity_mesh = tessellate(cavity, MEASURED_DEVIATION_MM)
     capacity = mesh_volume(cavity_mesh)
-    wall = measure_mesh(outer_mesh, cavity_mesh, mold.anatomy.finish_height_mm, asked)
-    return _Candidate(solid, past_mouth, wall, capacity, mesh_volume(outer_mesh).minus(capacity))
+    wall = measure_wall(cavity_mesh, outside(mold, lambda points, faces: asked.at(points[:, 2])))
+    glass = mesh_volume(tessellate(mold.upright, MEASURED_DEVIATION_MM)).minus(capacity)
+    return _Candidate(solid, past_mouth, wall, capacity, glass)
 
 
 def _not_round(mold: Mold, asked: ThicknessOverHeight) -> str:

@@ -16,7 +16,7 @@ from glassworkbench.mold import Mold
 from glassworkbench.mold.embossing import embossed as find_embossed
 from glassworkbench.mold.tessellation import MOUTH, outside_mesh
 from glassworkbench.scene import Mesh
-from glassworkbench.spatial import Nearest, NearestTriangles
+from glassworkbench.spatial import SIDES, Nearest, NearestTriangles, sags
 
 DEVIATION_MM = 0.05
 """Distance of the triangles from the outside; their bulge brings them to a few micrometres."""
@@ -82,6 +82,11 @@ class Outside:
         """Return the distance of points (n, 3) to the outside, the mouth and the collar left out."""
         return self._by_distance.search(points_mm)
 
+    @property
+    def lip_height_mm(self) -> float:
+        """The height where the lip's rounding begins; that of the finish where there is none."""
+        return float(self.corners_mm[self.collar, :, 2].min()) if np.any(self.collar) else self.finish_height_mm
+
     def without_embossing(self) -> Outside:
         """Return the outside with holes where there is embossing: what a smooth inside is the offset of."""
         return self._only(~self.embossed)
@@ -110,8 +115,6 @@ class Outside:
         glass = ~self.collar
         return NearestTriangles(self.corners_mm[glass], self.normals[glass])
 
-
-_SIDES = ((0, 1), (1, 2), (2, 0))
 
 ThicknessAt = Callable[[np.ndarray, np.ndarray], np.ndarray]
 """Takes points of the outside (n, 3), upright, and their CAD faces' numbers (n,); returns the thickness (n,), mm."""
@@ -184,11 +187,11 @@ def _refined(
     origin = np.arange(len(corners))
     done: list[tuple[np.ndarray, ...]] = []
     while len(corners):
-        sides = np.stack([corners[:, j] - corners[:, i] for i, j in _SIDES], axis=1)
+        sides = np.stack([corners[:, j] - corners[:, i] for i, j in SIDES], axis=1)
         lengths = np.linalg.norm(sides, axis=2)
         middles, turned = _middles(corners, normals)
         at_middles = np.stack([thickness_at(middles[:, k], faces) for k in range(3)], axis=1)
-        linear = np.stack([0.5 * (thickness[:, i] + thickness[:, j]) for i, j in _SIDES], axis=1)
+        linear = np.stack([0.5 * (thickness[:, i] + thickness[:, j]) for i, j in SIDES], axis=1)
         error = np.abs(at_middles - linear).max(axis=1)
         longest = lengths.argmax(axis=1)
         length = lengths[np.arange(len(corners)), longest]
@@ -212,12 +215,12 @@ def _refined(
 def _middles(corners: np.ndarray, normals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the surface's points (m, 3, 3) over the middles of each triangle's sides 01, 12, 20, and its normals."""
     points, turned = np.empty_like(corners), np.empty_like(corners)
-    for side, (i, j) in enumerate(_SIDES):
+    sag = sags(corners, normals)
+    for side, (i, j) in enumerate(SIDES):
         p, q, n, m = corners[:, i], corners[:, j], normals[:, i], normals[:, j]
         normal = n + m
         normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
-        sag = 0.125 * np.einsum("ij,ij->i", m - n, q - p)
-        points[:, side], turned[:, side] = 0.5 * (p + q) + sag[:, None] * normal, normal
+        points[:, side], turned[:, side] = 0.5 * (p + q) + 0.25 * sag[:, side, None] * normal, normal
     return points, turned
 
 
