@@ -9,7 +9,7 @@ from glassworkbench.freecad import FreeCAD, Part
 from glassworkbench.mold import mold_from_shape, read_mold
 from glassworkbench.scene import Mesh, Revolved
 from glassworkbench.wall import METHODS, choose, hollow, parse_thickness
-from glassworkbench.wall.measure import mesh_volume, nearest_on_mesh
+from glassworkbench.wall.volumes import mesh_volume
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "examples" / "molds"
 
@@ -184,22 +184,6 @@ def test_a_file_that_cannot_be_is_refused_and_nothing_is_written(cylinder, tmp_p
 def test_a_sphere_is_measured_through_its_facets():
     mesh = sphere_mesh(20.0, 24)
     assert mesh_volume(mesh).volume_mm3 == pytest.approx(4 / 3 * np.pi * 20**3, rel=1e-3)
-
-
-def test_the_nearest_point_of_a_mesh_is_that_of_a_search_through_all_triangles():
-    mesh = sphere_mesh(20.0, 12)
-    corners = mesh.vertices_mm[mesh.triangles]
-    random = np.random.default_rng(3)
-    points = random.normal(size=(20, 3)) * 15.0
-    feet, numbers, shares = nearest_on_mesh(points, corners)
-    grid = random.dirichlet([1, 1, 1], size=400)
-    cloud = np.einsum("sk,mkc->msc", grid, corners).reshape(-1, 3)
-    for point, foot in zip(points, feet, strict=True):
-        distance = np.linalg.norm(foot - point)
-        searched = np.linalg.norm(cloud - point, axis=1).min()
-        assert distance <= searched + 1e-12
-        assert distance >= searched - 0.1
-    assert feet == pytest.approx(np.einsum("ij,ijk->ik", shares, corners[numbers]))
 
 
 def sphere_mesh(radius, steps):

@@ -9,10 +9,11 @@ from hypothesis import strategies as st
 from glassworkbench.errors import InputError
 from glassworkbench.scene import Revolved
 from glassworkbench.wall.bezier import crossings, evaluate, fit_cubic, line, polyline, unit
-from glassworkbench.wall.measure import measure_revolved, revolved_volume
+from glassworkbench.wall.measure_meridian import measure_revolved
 from glassworkbench.wall.profile import wall_meridian
 from glassworkbench.wall.revolved import offset_meridian
 from glassworkbench.wall.thickness_text import parse_thickness
+from glassworkbench.wall.volumes import revolved_volume
 
 
 def arc(centre, radius, start_deg, end_deg):

@@ -16,14 +16,13 @@ import numpy as np
 from numpy.ctypeslib import ndpointer
 
 from glassworkbench.errors import GlassWorkbenchError, InputError
+from glassworkbench.spatial.bulge import SIDES, sags
 
 LIBRARY_FOLDER = Path(__file__).with_name("native") / "lib"
 INTERFACE_VERSION = 1
 
 BLOCK = 32
 """Triangles that share one bounding box in the numpy search; small enough to look at all, large enough to skip many."""
-
-SIDES = ((0, 1), (1, 2), (2, 0))
 
 _DOUBLES = ndpointer(np.float64, flags="C_CONTIGUOUS")
 _INT32S = ndpointer(np.int32, flags="C_CONTIGUOUS")
@@ -59,9 +58,7 @@ class NearestTriangles:
     corners_mm : array (m, 3, 3)
         On the surface.
     normals : array (m, 3, 3)
-        Unit normals of the surface at the corners. Between two corners it turns by their normals' difference, so to
-        second order it stands b_i b_j (n_j - n_i) . (p_j - p_i) / 2 above the chord at the barycentric coordinates b:
-        as good as a mesh with many times the triangles.
+        Unit normals of the surface at the corners. Between the corners it stands above the triangle, see `bulge.sags`.
     thickness_mm : array (m, 3), optional
         Thickness t at the corners, linear in between; 0 if not given.
 
@@ -148,10 +145,8 @@ class _NumpySearch:
         self._order = along_a_curve(of.corners_mm.mean(axis=1))
         self._corners, self._normals = of.corners_mm[self._order], of.normals[self._order]
         self._thickness = of.thickness_mm[self._order]
-        n, p = self._normals, self._corners
-        self._sags = np.stack(
-            [0.5 * np.einsum("ij,ij->i", n[:, j] - n[:, i], p[:, j] - p[:, i]) for i, j in SIDES], axis=1
-        )
+        p = self._corners
+        self._sags = sags(p, self._normals)
         bulge = 0.25 * np.abs(self._sags).sum(axis=1)[:, None]
         self._starts = np.arange(0, len(p), BLOCK)
         self._low = np.minimum.reduceat(p.min(axis=1) - bulge, self._starts, axis=0)

@@ -7,15 +7,16 @@ The cavity that a thickness asks for is the set of points p that keep the distan
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from glassworkbench.mold import Mold
+from glassworkbench.mold.embossing import embossed as find_embossed
 from glassworkbench.mold.tessellation import MOUTH, outside_mesh
 from glassworkbench.scene import Mesh
-from glassworkbench.spatial import Nearest, NearestTriangles
+from glassworkbench.spatial import SIDES, Nearest, NearestTriangles, sags
 
 DEVIATION_MM = 0.05
 """Distance of the triangles from the outside; their bulge brings them to a few micrometres."""
@@ -56,6 +57,8 @@ class Outside:
     collar : bool array (m,)
         The triangles above the lip, which are no glass but guide the bore through the mouth.
     finish_height_mm : float
+    embossed : bool array (m,)
+        The triangles of threads, lugs and lettering, which stand out from the outside and shall not show inside.
     """
 
     corners_mm: np.ndarray
@@ -64,6 +67,7 @@ class Outside:
     faces: np.ndarray
     collar: np.ndarray
     finish_height_mm: float
+    embossed: np.ndarray
 
     def clearance(self, points_mm: np.ndarray) -> Nearest:
         """Return how far inside the wanted cavity points (n, 3) lie, and the outer points that decide.
@@ -78,6 +82,30 @@ class Outside:
         """Return the distance of points (n, 3) to the outside, the mouth and the collar left out."""
         return self._by_distance.search(points_mm)
 
+    @property
+    def lip_height_mm(self) -> float:
+        """The height where the lip's rounding begins; that of the finish where there is none."""
+        return float(self.corners_mm[self.collar, :, 2].min()) if np.any(self.collar) else self.finish_height_mm
+
+    def without_embossing(self) -> Outside:
+        """Return the outside with holes where there is embossing: what a smooth inside is the offset of."""
+        return self._only(~self.embossed)
+
+    def embossing(self) -> Outside | None:
+        """Return the embossing alone, None where there is none."""
+        return self._only(self.embossed) if np.any(self.embossed) else None
+
+    def _only(self, kept: np.ndarray) -> Outside:
+        return replace(
+            self,
+            corners_mm=self.corners_mm[kept],
+            normals=self.normals[kept],
+            thickness_mm=self.thickness_mm[kept],
+            faces=self.faces[kept],
+            collar=self.collar[kept],
+            embossed=self.embossed[kept],
+        )
+
     @cached_property
     def _by_thickness(self) -> NearestTriangles:
         return NearestTriangles(self.corners_mm, self.normals, self.thickness_mm)
@@ -87,8 +115,6 @@ class Outside:
         glass = ~self.collar
         return NearestTriangles(self.corners_mm[glass], self.normals[glass])
 
-
-_SIDES = ((0, 1), (1, 2), (2, 0))
 
 ThicknessAt = Callable[[np.ndarray, np.ndarray], np.ndarray]
 """Takes points of the outside (n, 3), upright, and their CAD faces' numbers (n,); returns the thickness (n,), mm."""
@@ -124,9 +150,11 @@ def outside_of_mesh(
     finish_height_mm : float
     thickness_at : callable
     """
-    keep = ~mouth & ~_lip(mesh, finish_height_mm)
+    embossed = find_embossed(mesh)
+    # The upper flank of a thread near the mouth leans inward, too.
+    keep = ~mouth & (embossed | ~_lip(mesh, finish_height_mm))
     corners, normals, face = mesh.vertices_mm[mesh.triangles[keep]], mesh.normals[mesh.triangles[keep]], faces[keep]
-    corners, normals, thickness, face = _refined(corners, normals, face, thickness_at)
+    corners, normals, thickness, face, origin = _refined(corners, normals, face, thickness_at)
     top = finish_height_mm + 2.0 * float(thickness.max()) + LIP_ZONE_MM
     collar, collar_normals, collar_thickness = _collar(corners, normals, thickness, finish_height_mm, top)
     return Outside(
@@ -136,6 +164,7 @@ def outside_of_mesh(
         np.concatenate([face, np.zeros(len(collar), dtype=face.dtype)]),
         np.arange(len(corners) + len(collar)) >= len(corners),
         finish_height_mm,
+        np.concatenate([embossed[keep][origin], np.zeros(len(collar), dtype=bool)]),
     )
 
 
@@ -149,23 +178,29 @@ def _lip(mesh: Mesh, finish_height_mm: float) -> np.ndarray:
 
 def _refined(
     corners: np.ndarray, normals: np.ndarray, faces: np.ndarray, thickness_at: ThicknessAt
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Halve triangles, onto the surface, until the thickness is nearly linear over each."""
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Halve triangles, onto the surface, until the thickness is nearly linear over each.
+
+    Returns corners, normals, thickness, faces, and which of the given triangles each is a part of.
+    """
     thickness = np.stack([thickness_at(corners[:, k], faces) for k in range(3)], axis=1)
+    origin = np.arange(len(corners))
     done: list[tuple[np.ndarray, ...]] = []
     while len(corners):
-        sides = np.stack([corners[:, j] - corners[:, i] for i, j in _SIDES], axis=1)
+        sides = np.stack([corners[:, j] - corners[:, i] for i, j in SIDES], axis=1)
         lengths = np.linalg.norm(sides, axis=2)
         middles, turned = _middles(corners, normals)
         at_middles = np.stack([thickness_at(middles[:, k], faces) for k in range(3)], axis=1)
-        linear = np.stack([0.5 * (thickness[:, i] + thickness[:, j]) for i, j in _SIDES], axis=1)
+        linear = np.stack([0.5 * (thickness[:, i] + thickness[:, j]) for i, j in SIDES], axis=1)
         error = np.abs(at_middles - linear).max(axis=1)
         longest = lengths.argmax(axis=1)
         length = lengths[np.arange(len(corners)), longest]
         varies = (np.ptp(thickness, axis=1) > THICKNESS_ERROR_MM) | (error > THICKNESS_ERROR_MM)
         coarse = (error > THICKNESS_ERROR_MM) & (length > SHORTEST_MM) | varies & (length > LONGEST_MM)
-        done.append((corners[~coarse], normals[~coarse], thickness[~coarse], faces[~coarse]))
-        corners, normals, thickness, faces = corners[coarse], normals[coarse], thickness[coarse], faces[coarse]
+        done.append(tuple(array[~coarse] for array in (corners, normals, thickness, faces, origin)))
+        corners, normals, thickness, faces, origin = (
+            array[coarse] for array in (corners, normals, thickness, faces, origin)
+        )
         row, i = np.arange(len(corners)), longest[coarse]
         j, k = (i + 1) % 3, (i + 2) % 3
         halves = []
@@ -173,19 +208,19 @@ def _refined(
             p, q, r, m = array[row, i], array[row, j], array[row, k], middle[row, i]
             halves.append(np.concatenate([np.stack([p, m, r], 1), np.stack([m, q, r], 1)]))
         corners, normals, thickness = halves
-        faces = np.concatenate([faces, faces])
+        faces, origin = np.concatenate([faces, faces]), np.concatenate([origin, origin])
     return tuple(np.concatenate(part) for part in zip(*done, strict=True))
 
 
 def _middles(corners: np.ndarray, normals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the surface's points (m, 3, 3) over the middles of each triangle's sides 01, 12, 20, and its normals."""
     points, turned = np.empty_like(corners), np.empty_like(corners)
-    for side, (i, j) in enumerate(_SIDES):
+    sag = sags(corners, normals)
+    for side, (i, j) in enumerate(SIDES):
         p, q, n, m = corners[:, i], corners[:, j], normals[:, i], normals[:, j]
         normal = n + m
         normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
-        sag = 0.125 * np.einsum("ij,ij->i", m - n, q - p)
-        points[:, side], turned[:, side] = 0.5 * (p + q) + sag[:, None] * normal, normal
+        points[:, side], turned[:, side] = 0.5 * (p + q) + 0.25 * sag[:, side, None] * normal, normal
     return points, turned
 
 

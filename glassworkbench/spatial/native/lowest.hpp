@@ -27,7 +27,7 @@ struct Triangle {
     std::array<Vector, 3> corner;
     std::array<Vector, 3> normal;
     std::array<double, 3> thickness;
-    // How far the surface stands out from the sides 01, 12, 20, doubled: see surface().
+    // Four times the height of the surface over the middles of the sides 01, 12, 20: see surface().
     std::array<double, 3> sag;
 };
 
@@ -35,16 +35,17 @@ using Shares = std::array<double, 3>;
 
 constexpr std::array<std::array<int, 2>, 3> kSides = {{{0, 1}, {1, 2}, {2, 0}}};
 
+// The harmonic mean of the slopes with which the surface leaves a side at its ends: see sags() in bulge.py.
 inline void set_sags(Triangle& triangle) {
     for (int side = 0; side < 3; ++side) {
         const auto [i, j] = kSides[side];
-        triangle.sag[side] =
-            0.5 * dot(triangle.normal[j] - triangle.normal[i], triangle.corner[j] - triangle.corner[i]);
+        const Vector along = triangle.corner[j] - triangle.corner[i];
+        const double start = -dot(triangle.normal[i], along), end = dot(triangle.normal[j], along);
+        triangle.sag[side] = start * end > 0.0 ? 2.0 * start * end / (start + end) : 0.0;
     }
 }
 
-// Between two corners i and j the surface turns by their normals' difference, so to second order it stands
-// b_i b_j (n_j - n_i) . (p_j - p_i) / 2 above the chord.
+// Between two corners i and j the surface stands b_i b_j sag_ij above the chord.
 inline Vector surface(const Triangle& triangle, const Shares& b) {
     Vector point, normal;
     double height = 0.0;
