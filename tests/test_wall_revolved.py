@@ -9,11 +9,14 @@ from hypothesis import strategies as st
 from glassworkbench.errors import InputError
 from glassworkbench.scene import Revolved
 from glassworkbench.wall.bezier import crossings, evaluate, fit_cubic, line, polyline, unit
+from glassworkbench.wall.bore import Bore
+from glassworkbench.wall.inner_meridian import offset_meridian
 from glassworkbench.wall.measure_meridian import measure_revolved
 from glassworkbench.wall.profile import wall_meridian
-from glassworkbench.wall.revolved import offset_meridian
 from glassworkbench.wall.thickness_text import parse_thickness
-from glassworkbench.wall.volumes import revolved_volume
+from glassworkbench.wall.turned_mesh import turned_mesh
+from glassworkbench.wall.unfolding import clearance
+from glassworkbench.wall.volumes import mesh_volume, revolved_volume
 
 
 def arc(centre, radius, start_deg, end_deg):
@@ -257,3 +260,82 @@ def test_crossings_finds_a_loop_and_passes_a_spiral():
     assert len(crossings(spiral)) == 0
     loop = np.array([(0, 0), (2, 2), (2, 0), (0, 2)], dtype=float)
     assert crossings(loop) == pytest.approx(np.array([[1.0, 1.0]]))
+
+
+RINGED = np.array(
+    [
+        line((0, 0), (32, 0)),
+        arc((32, 6), 6.0, -90, 0),
+        line((38, 6), (38, 180)),
+        cubic((38, 180), (38, 210), (14, 200), (14, 250)),
+        line((14, 250), (14, 285)),
+        line((14, 285), (16, 287)),
+        line((16, 287), (16, 292)),
+        line((16, 292), (14, 294)),
+        line((14, 294), (14, 300)),
+        line((14, 300), (0, 300)),
+    ]
+)
+"""A bottle with a ring around its finish, which begins at 286 mm."""
+
+
+def bored(diameter, wall="3", full_from=286.0, none_below=272.0):
+    anatomy = SimpleNamespace(finish_height_mm=300.0, stem_top_mm=0.0, regions={})
+    thickness = parse_thickness(wall).over_height(anatomy)
+    profile = wall_meridian(RINGED, anatomy, thickness)
+    return offset_meridian(profile, thickness, Bore(0.5 * diameter, full_from, none_below))
+
+
+@pytest.mark.parametrize("diameter", [18.5, 22.0, 25.0])
+def test_a_bore_is_a_cylinder_through_the_finish_whatever_its_rings(diameter):
+    cavity = bored(diameter)
+    for chain in (cavity.segments[:-1], cavity.past_mouth[:-1]):
+        points = polyline(chain, 20)
+        finish = points[points[:, 1] >= 286.0 - 1e-6]
+        assert np.ptp(finish[:, 1]) >= 13.9
+        assert np.abs(finish[:, 0] - 0.5 * diameter).max() < 1e-6
+
+
+@pytest.mark.parametrize("diameter", [18.5, 22.0, 25.0])
+def test_below_a_bore_the_inside_leads_smoothly_to_the_wall_that_was_asked(diameter):
+    cavity = bored(diameter)
+    points = polyline(cavity.segments[:-1], 50)
+    blend = points[(points[:, 1] > 255.0) & (points[:, 1] < 288.0)]
+    steps = np.diff(blend, axis=0)
+    turns = np.diff(np.arctan2(steps[:, 0], steps[:, 1]))
+    assert np.abs(turns).max() < 0.01
+    assert np.all(steps[:, 1] > 0.0)
+    straight = blend[blend[:, 1] < 268.0]
+    assert np.abs(straight[:, 0] - 11.0).max() < 1e-4
+
+
+def test_the_glass_around_a_bore_keeps_what_is_asked_of_every_outer_point():
+    cavity, bore = bored(18.5), Bore(9.25, 286.0, 272.0)
+    outside = polyline(RINGED[:-1], 4000)
+    inside = polyline(cavity.segments[:-1], 10)
+    asked = bore.thickness(outside[:, 0], outside[:, 1], np.full(len(outside), 3.0))
+    assert np.abs(clearance(inside, outside, asked)).max() < 2e-3
+
+
+def test_a_bore_that_nothing_smooth_leads_to_is_refused():
+    with pytest.raises(InputError, match=r"wall bore: .* too far from the 22\.00 mm"):
+        bored(2.0)
+
+
+def test_clearance_by_groups_is_that_of_every_pair():
+    rng = np.random.default_rng(7)
+    feet = np.cumsum(rng.normal(size=(333, 2)), axis=0)
+    points = np.cumsum(rng.normal(size=(205, 2)), axis=0)
+    asked = rng.uniform(0.0, 3.0, 333)
+    pairs = np.linalg.norm(points[:, None] - feet, axis=2) - asked
+    assert clearance(points, feet, asked) == pytest.approx(pairs.min(axis=1), abs=1e-12)
+
+
+def test_the_mesh_of_a_meridian_holds_its_volume_and_lies_on_it():
+    _, cavity, _ = hollowed(bottle(), 300.0, "3")
+    mesh = turned_mesh(cavity.segments, cavity.smooth_runs, 0.02)
+    assert mesh_volume(mesh).volume_mm3 == pytest.approx(revolved_volume(cavity.segments).volume_mm3, rel=1e-5)
+    flat = np.column_stack([np.hypot(mesh.vertices_mm[:, 0], mesh.vertices_mm[:, 1]), mesh.vertices_mm[:, 2]])
+    assert np.abs(least_gap(cavity.segments, flat[::97])).max() < 2e-3
+    assert np.linalg.norm(mesh.normals, axis=1) == pytest.approx(1.0, abs=1e-12)
+    assert mesh.vertices_mm[:, 2].max() == 300.0

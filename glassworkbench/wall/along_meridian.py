@@ -10,7 +10,7 @@ import numpy as np
 from glassworkbench.wall.bore import Bore
 from glassworkbench.wall.thickness import ThicknessOverHeight
 
-STEP_SHARE = 1e-5
+STEP_SHARE = 1e-7
 """Of the blend's height: the step of the difference that stands for the derivative of a bore's share."""
 
 
@@ -46,8 +46,12 @@ class AlongMeridian:
         growth = self.over_height.slope(height, underside) * rise
         if self.bore is None:
             return growth
-        bore, wall = self.bore, self.over_height.at(height, underside)
-        share, step = bore.share(height), STEP_SHARE * (bore.full_from_mm - bore.none_below_mm)
+        share = self.bore.share(height)
+        return (1.0 - share) * growth + share * tangents[:, 0] + self.blend_slope(points, underside) * rise
+
+    def blend_slope(self, points: np.ndarray, underside: np.ndarray | bool = False) -> np.ndarray:
+        """Return how much (n,) the inside comes inward per mm of height on its way to the bore."""
+        bore, height = self.bore, points[:, 1]
+        step = STEP_SHARE * (bore.full_from_mm - bore.none_below_mm)
         slope = (bore.share(height + step) - bore.share(height - step)) / (2.0 * step)
-        wider = points[:, 0] - bore.radius_mm - wall
-        return (1.0 - share) * growth + share * tangents[:, 0] + slope * rise * wider
+        return slope * (points[:, 0] - bore.radius_mm - self.over_height.at(height, underside))

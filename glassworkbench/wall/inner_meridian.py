@@ -13,7 +13,7 @@ import numpy as np
 
 from glassworkbench.errors import GlassWorkbenchError, InputError
 from glassworkbench.wall.along_meridian import AlongMeridian
-from glassworkbench.wall.bezier import crossings, evaluate, fit_cubic, line, polyline, unit
+from glassworkbench.wall.bezier import crossings, evaluate, fit_cubic, line, polyline
 from glassworkbench.wall.bore import Bore
 from glassworkbench.wall.envelope import PAST_MOUTH_MM, SAMPLES, Envelope, envelope_of, turn_between
 from glassworkbench.wall.profile import WallMeridian, below_bore
@@ -24,8 +24,8 @@ FIT_TOLERANCE_MM = 1e-3
 FIT_TOLERANCE_SHARE = 1e-4
 """The fitted cavity keeps this close to the exact envelope (mm, and as a share of the thinnest wall)."""
 
-STEEPEST_BLEND = 0.8
-"""Below a bore the thickness may grow by this share of the outside's length; at 1 the inside would have a cusp."""
+STEEPEST_BLEND = 1.0
+"""Below a bore the inside may come inward, or go outward, by this much per mm of height: 45 degrees."""
 
 SMOOTH = 1e-4
 """Neighbouring segments whose tangents differ by less (rad) join smoothly."""
@@ -124,20 +124,18 @@ def _beyond(stretches: list[tuple[float, float]], place: float) -> list[tuple[fl
 
 
 def _check_blend(wall: WallMeridian, thickness: AlongMeridian) -> None:
-    """Refuse a bore that the inside would have to jump to: the thickness must grow slower than the outside is long."""
+    """Refuse a bore that is too far from what the wall leaves below it."""
     u = np.linspace(0.0, 1.0, 65)
-    for segment, underside in zip(wall.segments, wall.underside, strict=True):
-        points, slopes = evaluate(segment, np.clip(u, 1e-9, 1.0 - 1e-9))
-        blends = (points[:, 1] > thickness.bore.none_below_mm) & (points[:, 1] < thickness.bore.full_from_mm)
-        growth = thickness.growth(points, unit(slopes), underside)
-        if np.any(np.abs(growth[blends]) > STEEPEST_BLEND):
-            worst = int(np.argmax(np.where(blends, np.abs(growth), 0.0)))
-            inside = points[worst, 0] - float(thickness.over_height.at(points[worst, 1], underside))
-            raise InputError(
-                f"wall bore: {2.0 * thickness.bore.radius_mm:g} mm is too far from the {2.0 * inside:.2f} mm that the "
-                f"wall leaves at height {points[worst, 1]:.1f} mm, where the inside must lead to it smoothly; "
-                "ask for a bore nearer to that, or another wall there"
-            )
+    points = np.concatenate([evaluate(segment, u)[0] for segment in wall.segments])
+    slope = np.abs(thickness.blend_slope(points))
+    worst = int(np.argmax(slope))
+    if slope[worst] > STEEPEST_BLEND:
+        inside = points[worst, 0] - float(thickness.over_height.at(points[worst, 1]))
+        raise InputError(
+            f"wall bore: {2.0 * thickness.bore.radius_mm:g} mm is too far from the {2.0 * inside:.2f} mm that the "
+            f"wall leaves at height {points[worst, 1]:.1f} mm, where the inside must lead to it smoothly; "
+            "ask for a bore nearer to that, or another wall there"
+        )
 
 
 def _fitted(

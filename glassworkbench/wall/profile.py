@@ -91,6 +91,12 @@ def wall_meridian(outer: np.ndarray, anatomy: Anatomy, thickness: ThicknessOverH
     return WallMeridian(segments, number < underside_count, outside, direction, float(anatomy.finish_height_mm))
 
 
+def mouth_radius_mm(outer: np.ndarray, finish_height_mm: float) -> float:
+    """Return how far the finish plane reaches from the axis in an outer meridian (n, 4, 3)."""
+    outline = polyline(outer, 64)
+    return float(outline[outline[:, 1] >= finish_height_mm - 1e-6 * finish_height_mm, 0].max())
+
+
 def below_bore(wall: WallMeridian, bore: Bore) -> WallMeridian:
     """Return what of a wall lies below a bore's cylinder; above, the inside goes straight up."""
     u = np.linspace(0.0, 1.0, 65)
@@ -184,9 +190,7 @@ def _step_to_land(
 ) -> np.ndarray | None:
     """Return the level line (1, 4, 3) inward from the lip, above which the sealing surface is wide enough; or None."""
     height = anatomy.finish_height_mm
-    outline = polyline(outer, 64)
-    mouth = outline[outline[:, 1] >= height - 1e-6 * height, 0].max()
-    widest = mouth + (1.0 - LAND_SHARE) * float(thickness.at(height))
+    widest = mouth_radius_mm(outer, height) + (1.0 - LAND_SHARE) * float(thickness.at(height))
     if lip[0] + (height - lip[1]) * direction[0] / direction[1] <= widest:
         return None
     return line(lip, np.array([min(widest, lip[0] - 1e-6), lip[1]]))[None]

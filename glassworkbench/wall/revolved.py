@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from glassworkbench.errors import GlassWorkbenchError
+from glassworkbench.errors import GlassWorkbenchError, InputError
 from glassworkbench.mold import Mold
 from glassworkbench.scene import Mesh, Revolved
 from glassworkbench.wall.asked import AskedThickness
+from glassworkbench.wall.bore import Bore
 from glassworkbench.wall.candidate import Candidate
 from glassworkbench.wall.envelope import PAST_MOUTH_MM
 from glassworkbench.wall.inner_meridian import CavityMeridian, offset_meridian
 from glassworkbench.wall.outside import Outside
-from glassworkbench.wall.profile import wall_meridian
+from glassworkbench.wall.profile import mouth_radius_mm, wall_meridian
 from glassworkbench.wall.solids import hollow_solid, revolved_solid
+from glassworkbench.wall.thickness import THINNEST_MM
 from glassworkbench.wall.turned_mesh import turned_mesh
 from glassworkbench.wall.unfolding import clearance
 
@@ -53,6 +55,8 @@ def revolved(mold: Mold, asked: AskedThickness, wall: Outside, seconds: float) -
         raise GlassWorkbenchError(
             f"revolved: the mold departs from a body of revolution by {anatomy.departure_mm:.3g} mm"
         )
+    if asked.bore is not None:
+        _check_mouth(mold, asked.bore)
     meridian = wall_meridian(mold.core, anatomy, asked.over_height)
     cavity = offset_meridian(meridian, asked.over_height, asked.bore)
     inside = turned_mesh(cavity.segments, cavity.smooth_runs, DEVIATION_MM)
@@ -62,6 +66,16 @@ def revolved(mold: Mold, asked: AskedThickness, wall: Outside, seconds: float) -
     if mold.upright is not None:
         solid = hollow_solid(mold.upright, revolved_solid(cavity), anatomy.finish_face)
     return Candidate(solid, Revolved(cavity.past_mouth), inside, meridian=cavity.segments)
+
+
+def _check_mouth(mold: Mold, bore: Bore) -> None:
+    """Refuse a bore that leaves nothing of the sealing surface."""
+    widest = 2.0 * (mouth_radius_mm(mold.core, mold.anatomy.finish_height_mm) - THINNEST_MM)
+    if 2.0 * bore.radius_mm > widest:
+        raise InputError(
+            f"wall bore: {2.0 * bore.radius_mm:g} mm leaves nothing of the sealing surface at height "
+            f"{mold.anatomy.finish_height_mm:.1f} mm; ask for at most {widest:.2f} mm"
+        )
 
 
 def _check_behind_embossing(inside: Mesh, wall: Outside, asked: AskedThickness) -> None:
