@@ -16,6 +16,9 @@ CREASE = np.radians(35.0)
 CREASE_TANGENT = 0.25
 """At a crease the tangent is shortened to this share, so that the surface stays close to the crease's sides."""
 
+REACH = 20
+"""The share of a knot's value in the derivative this many knots away is below 1e-11."""
+
 
 @dataclass(frozen=True, eq=False)
 class LoftSurface:
@@ -68,17 +71,17 @@ class LoftSurface:
         return LoftSurface(self.u, merged[order], np.concatenate([self.points, points])[order])
 
     @cached_property
-    def _tangents(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def _slopes(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Derivatives at the grid points (m, n, 3) by u, by v, and by both."""
         by_u = _periodic_tangents(self.u, self.points)
-        by_v = _open_tangents(self.v, self.points.swapaxes(0, 1)).swapaxes(0, 1)
-        twist = _periodic_tangents(self.u, by_v, creases=_creases_around(self.points))
+        by_v = _tangents(self.v, self.points.swapaxes(0, 1)).swapaxes(0, 1)
+        twist = _periodic_tangents(self.u, by_v, _creases_around(self.points))
         by_u[0] = 0.0
         return by_u, by_v, twist
 
     def _around(self, basis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return values and v-derivatives (m, l, 3) on the rows, from the basis (l, 2, n + 1) along u."""
-        by_u, by_v, twist = self._tangents
+        by_u, by_v, twist = self._slopes
         value, slope = _closed(basis[:, 0]), _closed(basis[:, 1])
         return (
             np.einsum("lj,mjk->mlk", value, self.points, optimize=True)
@@ -147,7 +150,7 @@ class LoftSurface:
 
     def _poles(self) -> np.ndarray:
         """Return the control points (2 m, 2 n, 3) over double knots: two about each grid point in each direction."""
-        by_u, by_v, twist = self._tangents
+        by_u, by_v, twist = self._slopes
         before_u, after_u = np.roll(np.diff(self.u), 1) / 3.0, np.diff(self.u) / 3.0
         spans = np.diff(self.v) / 3.0
         before_v, after_v = np.append(0.0, spans), np.append(spans, 0.0)
@@ -196,83 +199,66 @@ def _closed(basis: np.ndarray) -> np.ndarray:
 def _periodic_tangents(u: np.ndarray, values: np.ndarray, creases: np.ndarray | None = None) -> np.ndarray:
     """Return derivatives (m, n, 3) at the knots of periodic C2 cubics through values (m, n, 3).
 
-    At a crease the derivative is set, and the cubics on both sides of it do not know of each other.
+    A knot's derivative does not depend on knots more than `REACH` away, so the line is simply continued that far.
     """
-    step = np.diff(u)
-    before = np.roll(step, 1)
-    secant = (np.roll(values, -1, axis=1) - values) / step[:, None]
-    back = np.roll(secant, 1, axis=1)
-    n = len(step)
-    matrix = np.zeros((n, n))
-    k = np.arange(n)
-    matrix[k, k] += 2.0 * (before + step)
-    matrix[k, (k - 1) % n] += step
-    matrix[k, (k + 1) % n] += before
-    right = 3.0 * (before[:, None] * secant + step[:, None] * back)
-    if creases is None:
-        creases = _creases(back, secant)
-        given = _crease_tangents(back, secant)
-    else:
-        given = CREASE_TANGENT * (before[:, None] * secant + step[:, None] * back) / (before + step)[:, None]
-    return _solved(matrix, right, creases, given)
+    count = len(u) - 1
+    around = np.arange(-REACH, count + REACH + 1)
+    turns, column = np.divmod(around, count)
+    creases = None if creases is None else creases[:, column]
+    longer = _tangents(u[column] + turns * (u[-1] - u[0]), values[:, column], creases)
+    return longer[:, REACH : REACH + count]
 
 
-def _open_tangents(v: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Return derivatives (n, m, 3) at the knots of open C2 cubics through values (n, m, 3), free at the ends.
+def _tangents(knots: np.ndarray, values: np.ndarray, creases: np.ndarray | None = None) -> np.ndarray:
+    """Return derivatives (n, m, 3) at the knots of C2 cubics through values (n, m, 3), parabolas in the end spans.
 
-    At the ends the second derivative is that of the neighbouring span's end ("not a knot" would couple more knots).
+    At a crease the derivative is set, and the cubics on both sides of it do not know of each other. Creases (n, m) are
+    found in the values where they are not given.
     """
-    step = np.diff(v)
-    m = len(v)
+    step = np.diff(knots)
     secant = np.diff(values, axis=1) / step[:, None]
-    matrix, right = np.zeros((m, m)), np.zeros_like(values)
-    k = np.arange(1, m - 1)
-    matrix[k, k] = 2.0 * (step[:-1] + step[1:])
-    matrix[k, k - 1], matrix[k, k + 1] = step[1:], step[:-1]
-    right[:, 1:-1] = 3.0 * (step[:-1, None] * secant[:, 1:] + step[1:, None] * secant[:, :-1])
-    # A parabola in the first and the last span.
-    matrix[0, :2] = matrix[-1, -2:] = 1.0
+    before, after = secant[:, :-1], secant[:, 1:]
+    if creases is None:
+        creases = np.zeros(values.shape[:2], dtype=bool)
+        creases[:, 1:-1] = _turns_sharply(before, after)
+        short = np.minimum(np.linalg.norm(before, axis=2), np.linalg.norm(after, axis=2))
+        given = CREASE_TANGENT * short[..., None] * _unit(_unit(before) + _unit(after))
+    else:
+        given = CREASE_TANGENT * 0.5 * (before + after)
+    low, diagonal, high = np.zeros((3, *values.shape[:2]))
+    right = np.empty_like(values)
+    low[:, 1:-1], diagonal[:, 1:-1], high[:, 1:-1] = step[1:], 2.0 * (step[:-1] + step[1:]), step[:-1]
+    right[:, 1:-1] = 3.0 * (step[:-1, None] * after + step[1:, None] * before)
+    diagonal[:, 0] = diagonal[:, -1] = high[:, 0] = low[:, -1] = 1.0
     right[:, 0], right[:, -1] = 2.0 * secant[:, 0], 2.0 * secant[:, -1]
-    creases = np.zeros(values.shape[:2], dtype=bool)
-    given = np.zeros_like(values)
-    creases[:, 1:-1] = _creases(secant[:, :-1], secant[:, 1:])
-    given[:, 1:-1] = _crease_tangents(secant[:, :-1], secant[:, 1:])
-    return _solved(matrix, right, creases, given)
+    low[creases], high[creases], diagonal[creases] = 0.0, 0.0, 1.0
+    right[:, 1:-1][creases[:, 1:-1]] = given[creases[:, 1:-1]]
+    return _tridiagonal(low, diagonal, high, right)
+
+
+def _tridiagonal(low: np.ndarray, diagonal: np.ndarray, high: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Solve n tridiagonal systems of m equations, (n, m) each, for three right sides (n, m, 3), by elimination."""
+    count = diagonal.shape[1]
+    diagonal, solved = diagonal.copy(), right.copy()
+    for k in range(1, count):
+        factor = low[:, k] / diagonal[:, k - 1]
+        diagonal[:, k] -= factor * high[:, k - 1]
+        solved[:, k] -= factor[:, None] * solved[:, k - 1]
+    solved[:, -1] /= diagonal[:, -1, None]
+    for k in range(count - 2, -1, -1):
+        solved[:, k] = (solved[:, k] - high[:, k, None] * solved[:, k + 1]) / diagonal[:, k, None]
+    return solved
 
 
 def _creases_around(points: np.ndarray) -> np.ndarray:
     chord = np.roll(points, -1, axis=1) - points
-    return _creases(np.roll(chord, 1, axis=1), chord)
+    return _turns_sharply(np.roll(chord, 1, axis=1), chord)
 
 
-def _creases(before: np.ndarray, after: np.ndarray) -> np.ndarray:
+def _turns_sharply(before: np.ndarray, after: np.ndarray) -> np.ndarray:
     lengths = np.linalg.norm(before, axis=2) * np.linalg.norm(after, axis=2)
     return np.einsum("ijk,ijk->ij", before, after) < np.cos(CREASE) * lengths
 
 
-def _crease_tangents(before: np.ndarray, after: np.ndarray) -> np.ndarray:
-    speed = np.linalg.norm(before, axis=2, keepdims=True), np.linalg.norm(after, axis=2, keepdims=True)
-    bisector = before / np.maximum(speed[0], 1e-300) + after / np.maximum(speed[1], 1e-300)
-    bisector /= np.maximum(np.linalg.norm(bisector, axis=2, keepdims=True), 1e-300)
-    return CREASE_TANGENT * np.minimum(*speed) * bisector
-
-
-def _solved(matrix: np.ndarray, right: np.ndarray, creases: np.ndarray, given: np.ndarray) -> np.ndarray:
-    """Solve for the derivatives (m, n, 3) line by line, those at creases given."""
-    lines = creases.any(axis=1)
-    solved = np.empty_like(right)
-    if (~lines).any():
-        plain = right[~lines]
-        solved[~lines] = (
-            np.linalg.solve(matrix, plain.transpose(1, 0, 2).reshape(len(matrix), -1))
-            .reshape(len(matrix), -1, 3)
-            .transpose(1, 0, 2)
-        )
-    for line in np.flatnonzero(lines):
-        own, at = matrix.copy(), np.flatnonzero(creases[line])
-        own[at] = 0.0
-        own[at, at] = 1.0
-        side = right[line].copy()
-        side[at] = given[line, at]
-        solved[line] = np.linalg.solve(own, side)
-    return solved
+def _unit(vectors: np.ndarray) -> np.ndarray:
+    return vectors / np.maximum(np.linalg.norm(vectors, axis=2, keepdims=True), 1e-300)

@@ -42,8 +42,8 @@ OFF_SHARE = 0.003
 SHORTEST_SHARE = 0.03
 """No span of the grid is halved that is shorter everywhere than this share of the thinnest wall."""
 
-TURN_RAD, LONGEST_MM, MOST_PARTS = np.radians(4.0), 5.0, 6
-"""In the mesh each span of the grid is parted until it turns by less than this, and is not longer; but no further."""
+TURN_RAD, LONGEST_MM, SHORTEST_MM = np.radians(4.0), 5.0, 0.4
+"""In the mesh each span of the grid is parted until it turns by less than this and is not longer, but no shorter."""
 
 OTHER_PART_SHARE = 0.25
 """Where the wanted cavity goes on outside the surface by more than this share of the wall, it has another part."""
@@ -173,8 +173,8 @@ def _parted(knots: np.ndarray, points: np.ndarray, normals: np.ndarray) -> np.nd
     """Return knots (n,) with more in between, judged by the lines (n, m, 3) of points and normals."""
     cosines = np.clip(np.einsum("ijk,ijk->ij", normals[1:], normals[:-1]), -1.0, 1.0)
     lengths = np.linalg.norm(np.diff(points, axis=0), axis=2).max(axis=1)
-    parts = np.ceil(np.maximum(np.arccos(cosines).max(axis=1) / TURN_RAD, lengths / LONGEST_MM)).astype(int)
-    parts = np.clip(parts, 1, MOST_PARTS)
+    wanted = np.minimum(np.arccos(cosines).max(axis=1) / TURN_RAD, lengths / SHORTEST_MM)
+    parts = np.ceil(np.maximum(np.maximum(wanted, lengths / LONGEST_MM), 1.0)).astype(int)
     pieces = [
         np.linspace(low, high, count, endpoint=False)
         for low, high, count in zip(knots[:-1], knots[1:], parts, strict=True)
@@ -249,8 +249,9 @@ def _sewn(faces: list[Part.Shape]) -> Part.Shape:
 def _solid(mold: Mold, cavity: Part.Shape, past_mouth: Part.Shape, seconds: float) -> Part.Shape:
     try:
         return hollow_solid(mold.upright, cavity, mold.anatomy.finish_face)
-    except GlassWorkbenchError:
-        # Slower, but it needs no exact match at the mouth.
+    # OCC raises errors of many kinds, which derive from Exception only.
+    except Exception:
+        # Slower, but it needs no ring of the finish plane around the mouth.
         return run_in_worker(cut, [mold.upright, past_mouth], {}, seconds)[0]
 
 
