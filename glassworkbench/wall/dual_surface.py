@@ -86,8 +86,9 @@ def dual_surface(inside: np.ndarray) -> DualSurface:
     quads, middles = [], []
     for axis in range(3):
         i, j = (axis + 1) % 3, (axis + 2) % 3
-        low, high = _shifted(inside.shape, {axis: 0}), tuple(
-            slice(1, None) if k == axis else slice(None) for k in range(3)
+        low, high = (
+            _shifted(inside.shape, {axis: 0}),
+            tuple(slice(1, None) if k == axis else slice(None) for k in range(3)),
         )
         edges = np.argwhere(inside[low] != inside[high])
         around = []

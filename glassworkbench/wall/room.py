@@ -52,9 +52,7 @@ class Room:
             value[lower], gradient[lower] = level[lower], up
         return value, gradient
 
-    def on_surface(
-        self, points_mm: np.ndarray, steps: int = NEWTON_STEPS
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def on_surface(self, points_mm: np.ndarray, steps: int = NEWTON_STEPS) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return points (n, 3) moved to the surface, their values (n,) and gradients (n, 3) there.
 
         From inside one step along the gradient meets the surface exactly: the function falls as fast as it may.
