@@ -10,7 +10,7 @@ import time
 
 import numpy as np
 
-from glassworkbench.errors import GlassWorkbenchError, InputError
+from glassworkbench.errors import GlassWorkbenchError
 from glassworkbench.mold import Mold
 from glassworkbench.scene import Mesh
 from glassworkbench.wall.asked import AskedThickness
@@ -19,9 +19,9 @@ from glassworkbench.wall.cavity_nodes import cavity_nodes, without_border
 from glassworkbench.wall.dual_surface import without_ambiguity
 from glassworkbench.wall.level_mesh import level_mesh
 from glassworkbench.wall.level_set import sampled
+from glassworkbench.wall.lids import PAST_MOUTH_MM, lifted
 from glassworkbench.wall.narrow import no_room
 from glassworkbench.wall.outside import Outside
-from glassworkbench.wall.past_mouth import past_mouth
 from glassworkbench.wall.room import Room
 
 TOLERANCE_SHARE, TOLERANCE_MM = 0.01, 0.01
@@ -63,7 +63,7 @@ def inner_mesh(mold: Mold, asked: AskedThickness, wall: Outside, seconds: float)
     """
     deviation = max(TOLERANCE_SHARE * asked.minimum_mm, TOLERANCE_MM)
     inside, notes = cavity_mesh(mold, asked, wall, _step(wall, asked, seconds), deviation)
-    return Candidate(None, past_mouth(inside, wall.finish_height_mm), inside, notes)
+    return Candidate(None, lifted(inside, wall.finish_height_mm, PAST_MOUTH_MM), inside, notes)
 
 
 def cavity_mesh(
