@@ -21,6 +21,9 @@ FLATNESS = 2e-3
 REACH = 0.6
 """A crease may lie this far (in steps) outside the cell of its vertex where the cell it lies in has none."""
 
+ASTRAY = 0.5
+"""A normal whose product with its triangle's is smaller belongs to another side of a crease that was left blunt."""
+
 SAME_SIDE = np.cos(np.radians(6.0))
 """Normals around a crease's vertex that differ by less lie on one side of it."""
 
@@ -54,21 +57,23 @@ def crease_points(
     The tangent planes on the sides meet at the crease (dual contouring: Ju et al., ACM Trans. Graph. 21 (2002) 339).
     The planes of bent sides meet off it, so they are taken anew from nearer and nearer.
     """
-    found, rank = near_mm, np.zeros(len(near_mm), dtype=int)
+    found, sharp = np.array(near_mm), np.ones(len(near_mm), dtype=bool)
     points = around_mm
     for k in range(ROUNDS):
-        points, _, normals = room.on_surface(points if k == 0 else found[owner] + APPROACH * (points - found[owner]), 2)
-        found, rank = _meeting(found, owner, points, normals)
-    sharp = rank > 1
+        points, _, normals = room.on_surface(points, 1)
+        mean, rank = _meeting(owner, points, normals, len(found))
+        found[sharp] = mean[sharp]
+        sharp &= rank > 1
+        left = sharp[owner]
+        owner, points = owner[left], points[left]
+        if k + 1 < ROUNDS:
+            points = found[owner] + APPROACH * (points - found[owner])
     sharp[sharp] = np.abs(room.value(found[sharp])) < np.broadcast_to(tolerance_mm, sharp.shape)[sharp]
     return found, sharp
 
 
-def _meeting(
-    found: np.ndarray, owner: np.ndarray, points: np.ndarray, normals: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return the points nearest to `found` where the samples' planes meet, and in how many directions they do."""
-    count = len(found)
+def _meeting(owner: np.ndarray, points: np.ndarray, normals: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the points (count, 3) nearest to the samples' middles where their planes meet, and along how many axes."""
     squares = np.empty((count, 3, 3))
     for i in range(3):
         for j in range(3):
@@ -107,14 +112,19 @@ def normals_on_sides(
     triangles : int array (m, 3)
     creased : bool array (n,)
     """
-    number, corner = np.nonzero(creased[triangles])
+    corners = vertices_mm[triangles]
+    facets = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    facets /= np.maximum(np.linalg.norm(facets, axis=1, keepdims=True), 1e-300)
+    astray = np.einsum("ij,ikj->ik", facets, normals[triangles]) < ASTRAY
+    number, corner = np.nonzero(creased[triangles] | astray)
     vertex = triangles[number, corner]
-    at, middle = vertices_mm[vertex], vertices_mm[triangles[number]].mean(axis=1)
+    at, middle = vertices_mm[vertex], corners[number].mean(axis=1)
     # At the crease itself the side is open: extrapolate from two places within the triangle.
-    near, far = (-room.on_surface(at + share * (middle - at), 2)[2] for share in (0.1, 0.2))
+    near, far = (-room.on_surface(at + share * (middle - at), 1)[2] for share in (0.1, 0.2))
     side = 2.0 * near - far
     side /= np.maximum(np.linalg.norm(side, axis=1, keepdims=True), 1e-300)
     side = np.where((np.einsum("ij,ij->i", near, far) > SAME_SIDE)[:, None], side, near)
+    side = np.where((np.einsum("ij,ij->i", side, facets[number]) < ASTRAY)[:, None], facets[number], side)
 
     order = np.argsort(vertex, kind="stable")
     starts = np.flatnonzero(np.diff(vertex[order], prepend=-1))

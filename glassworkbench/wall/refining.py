@@ -114,7 +114,7 @@ def _halved(room: Room, facets: Facets, sides: np.ndarray, number: np.ndarray, c
 
 
 def _cut(facets: Facets, owner: np.ndarray, count: int, middles: np.ndarray) -> np.ndarray:
-    """Return the triangles, those with chosen sides (owner >= 0, numbers of the middles) cut into two, three or four."""
+    """Return the triangles, those with chosen sides (owner >= 0 numbers the middle) cut."""
     marked = owner >= 0
     marks = marked.sum(axis=1)
     triangles = [facets.triangles[marks == 0]]
