@@ -13,8 +13,9 @@ sys.path.insert(0, str(ROOT))
 
 from glassworkbench.errors import GlassWorkbenchError  # noqa: E402
 from glassworkbench.mold import Mold, read_mold, tessellate  # noqa: E402
-from glassworkbench.wall.measure import mesh_volume, nearest_on_mesh  # noqa: E402
+from glassworkbench.spatial import NearestTriangles  # noqa: E402
 from glassworkbench.wall.thick_solid import ThickWall, thick_wall  # noqa: E402
+from glassworkbench.wall.volumes import mesh_volume  # noqa: E402
 
 WALLS_MM = (1.0, 2.0, 3.0)
 WALL_SHARES = (0.04, 0.08)
@@ -48,7 +49,7 @@ def fault(mold: Mold, made: ThickWall, wall_mm: float) -> str:
     points = points[points[:, 2] < finish - wall_mm]
     walls = outer.vertices_mm[outer.triangles]
     walls = walls[~np.all(walls[:, :, 2] > finish - 1e-4, axis=1)]
-    distance = np.linalg.norm(points - nearest_on_mesh(points, walls)[0], axis=1)
+    distance = NearestTriangles(walls, np.zeros_like(walls)).search(points).distance_mm
     right = np.mean(np.abs(distance - wall_mm) < WALL_SHARE * wall_mm)
     return "" if right >= RIGHT_SHARE else f"only {100.0 * right:.0f} % of the wall is right"
 

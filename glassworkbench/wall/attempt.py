@@ -7,12 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from glassworkbench.freecad import Part
 from glassworkbench.mold import Mold, tessellate
 from glassworkbench.mold.tessellation import outside_mesh
-from glassworkbench.scene import Mesh, Revolved
 from glassworkbench.wall.asked import AskedThickness
 from glassworkbench.wall.candidate import Candidate
+from glassworkbench.wall.container import SolidFacts
 from glassworkbench.wall.csg import csg
 from glassworkbench.wall.inner_mesh import inner_mesh
 from glassworkbench.wall.lofted import lofted
@@ -43,16 +42,6 @@ VOLUME_SHARE = 0.005
 
 MESH_DEVIATION_MM = 0.05
 """Deviation of the meshes that volumes are taken from, which make up for their facets."""
-
-
-@dataclass(frozen=True)
-class SolidFacts:
-    """What OCC and the meshes say of the glass; faces are those of the solid, or the triangles where there is none."""
-
-    valid: bool
-    closed: bool
-    self_intersecting: bool
-    faces: int
 
 
 @dataclass(frozen=True, eq=False)

@@ -25,7 +25,7 @@ class Candidate:
     notes : tuple of str
         Sentences that the user should read, like where the wall cannot be as thick as asked.
     meridian : array (n, 4, 3) or None
-        The inside's rational cubic Bezier chain, closed at the finish plane, where it is turned: volumes are exact then.
+        The turned inside as a rational cubic Bezier chain, closed at the finish plane, for exact volumes.
     """
 
     solid: Part.Shape | None

@@ -15,6 +15,7 @@ from glassworkbench.settings import unknown_name
 from glassworkbench.wall.asked import AskedThickness
 from glassworkbench.wall.attempt import MAKERS, Attempted, attempt
 from glassworkbench.wall.container import Attempt, Container, WallReport
+from glassworkbench.wall.contents import weight_g
 from glassworkbench.wall.thickness import Thickness, UniformThickness
 from glassworkbench.wall.thickness_text import parse_thickness
 from glassworkbench.wall.worker import run_in_worker
@@ -143,3 +144,35 @@ def _check_fits(mold: Mold, asked: AskedThickness) -> None:
             f"wall: {at_finish:g} mm closes the mouth at height {anatomy.finish_height_mm:.1f} mm, where it must be "
             f"below {anatomy.finish_outer_radius_mm:.2f} mm"
         )
+
+
+def _container(
+    mold: Mold,
+    thickness: Thickness,
+    method: str,
+    attempted: Attempted,
+    attempts: list[Attempt],
+    tolerance_mm: float,
+    seconds: float,
+) -> Container:
+    candidate = attempted.candidate
+    solid = None if candidate.solid is None else moved(candidate.solid, mold.placement)
+    report = WallReport(
+        method=method,
+        tried=tuple(attempts),
+        asked=str(thickness),
+        wall=replace(attempted.wall, minimum_at_mm=_in_cad(mold, attempted.wall.minimum_at_mm)),
+        tolerance_mm=tolerance_mm,
+        solid=attempted.solid,
+        glass_volume_mm3=attempted.glass.volume_mm3,
+        weight_g=weight_g(attempted.glass.volume_mm3),
+        brimful_ml=1e-3 * attempted.capacity.volume_mm3,
+        centre_of_gravity_mm=_in_cad(mold, attempted.glass.centroid_mm),
+        seconds=seconds,
+        notes=(*mold.repairs, *candidate.notes),
+    )
+    return Container(mold, thickness, method, solid, candidate.cavity, candidate.inside, report)
+
+
+def _in_cad(mold: Mold, point_mm: np.ndarray) -> np.ndarray:
+    return mold.placement[:3, :3] @ point_mm + mold.placement[:3, 3]

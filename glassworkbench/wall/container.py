@@ -63,6 +63,8 @@ class WallReport:
     centre_of_gravity_mm : array (3,)
         Of the glass.
     seconds : float
+    notes : tuple of str
+        What the user should know besides, in sentences.
     """
 
     method: str
@@ -76,6 +78,7 @@ class WallReport:
     brimful_ml: float
     centre_of_gravity_mm: np.ndarray
     seconds: float
+    notes: tuple[str, ...] = ()
 
     def to_json(self) -> dict[str, object]:
         """Return the report as plain dictionaries, lists, strings and numbers."""
@@ -98,6 +101,7 @@ class WallReport:
                 "deviation_max_mm": self.wall.deviation_max_mm,
                 "deviation_p99_mm": self.wall.deviation_p99_mm,
                 "deviation_rms_mm": self.wall.deviation_rms_mm,
+                "thinner_than_asked_max": self.wall.thinner_than_asked_max,
                 "tolerance_mm": self.tolerance_mm,
             },
             "solid": {
@@ -111,6 +115,7 @@ class WallReport:
             "brimful_ml": self.brimful_ml,
             "centre_of_gravity_mm": [float(coordinate) for coordinate in self.centre_of_gravity_mm],
             "seconds": round(self.seconds, 3),
+            "notes": list(self.notes),
         }
 
 
@@ -128,6 +133,8 @@ class Container:
         The glass, one closed solid in CAD coordinates; None where there are only meshes.
     cavity : Surface or Part.Shape
         What is taken away from the outside, upright, reaching past the mouth.
+    inside : Mesh
+        The cavity, upright, closed level at the finish plane.
     report : WallReport
     """
 
@@ -136,11 +143,14 @@ class Container:
     method: str
     solid: Part.Shape | None
     cavity: Surface | Part.Shape
+    inside: Mesh
     report: WallReport
 
     def geometry(self) -> ContainerGeometry:
         """Return the container as a station takes it: upright, on surfaces that the tracer knows."""
-        return geometry_within(self.mold, fine_mesh(self.cavity) if isinstance(self.cavity, Part.Shape) else self.cavity)
+        return geometry_within(
+            self.mold, fine_mesh(self.cavity) if isinstance(self.cavity, Part.Shape) else self.cavity
+        )
 
     def save(self, path: str | Path) -> None:
         """Write the solid as STEP, BREP, FCStd or STL, by the path's ending.

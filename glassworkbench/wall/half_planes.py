@@ -12,7 +12,7 @@ import numpy as np
 
 from glassworkbench.errors import GlassWorkbenchError, InputError
 from glassworkbench.spatial import Nearest
-from glassworkbench.wall.thickness import monotone_cubic
+from glassworkbench.wall.interpolation import monotone_cubic
 
 ON_CURVE_MM = 1e-4
 """Traced points lie this close to the inner surface."""
@@ -261,6 +261,6 @@ def _common(marks: Sequence[dict[str, float]]) -> list[list[float]]:
         before = [each[kept[-1]] if kept else 0.0 for each in marks]
         room = [each["mouth"] - each[name] for each in marks]
         apart = 0.02 * min(each["mouth"] for each in marks)
-        if name == "mouth" or min(np.array([each[name] for each in marks]) - before) > apart and min(room) > apart:
+        if name == "mouth" or (min(np.array([each[name] for each in marks]) - before) > apart and min(room) > apart):
             kept.append(name)
     return [[0.0, *(each[name] for name in kept)] for each in marks]

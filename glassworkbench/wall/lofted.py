@@ -196,7 +196,7 @@ def _check_whole(wall: Outside, surface: LoftSurface) -> None:
     if len(left_out):
         x, y, z = left_out[0]
         raise GlassWorkbenchError(
-            f"the half-plane at angle {np.degrees(np.arctan2(y, x)) % 360.0:.0f} degrees meets the body in more than one "
+            f"the half-plane at {np.degrees(np.arctan2(y, x)) % 360.0:.0f} degrees meets the body in more than one "
             f"curve at height {z:.1f} mm"
         )
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from glassworkbench.errors import GlassWorkbenchError
 from glassworkbench.freecad import Part
-from glassworkbench.wall.distance import nearest_on_mesh
+from glassworkbench.spatial import NearestTriangles
 
 SAMPLES = 250
 """Points of the inside that are compared with the outside, and the other way round."""
@@ -146,7 +146,8 @@ def facets_volume(corners: np.ndarray) -> float:
 
 
 def _distance(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    return np.linalg.norm(points - nearest_on_mesh(points, corners)[0], axis=1)
+    # Without normals the triangles are flat.
+    return NearestTriangles(corners, np.zeros_like(corners)).search(points).distance_mm
 
 
 def _spread(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

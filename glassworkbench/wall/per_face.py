@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from glassworkbench.errors import GlassWorkbenchError, InputError
 from glassworkbench.freecad import FreeCAD, Part
 from glassworkbench.wall.offset_check import check_faces
-from glassworkbench.wall.offset_ways import LIP_HEIGHT_MM
 from glassworkbench.wall.offset_solid import hollowed, number_of, offset_solid
+from glassworkbench.wall.offset_ways import LIP_HEIGHT_MM
 
 SHARP_COSINE = 0.9
 """Faces whose normals make a smaller angle than this one's (26 degrees) meet smoothly: OCC cannot part their walls."""

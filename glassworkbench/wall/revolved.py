@@ -12,10 +12,10 @@ from glassworkbench.wall.bore import Bore
 from glassworkbench.wall.candidate import Candidate
 from glassworkbench.wall.envelope import PAST_MOUTH_MM
 from glassworkbench.wall.inner_meridian import CavityMeridian, offset_meridian
+from glassworkbench.wall.limits import THINNEST_MM
 from glassworkbench.wall.outside import Outside
 from glassworkbench.wall.profile import mouth_radius_mm, wall_meridian
 from glassworkbench.wall.solids import hollow_solid, revolved_solid
-from glassworkbench.wall.thickness import THINNEST_MM
 from glassworkbench.wall.turned_mesh import turned_mesh
 from glassworkbench.wall.unfolding import clearance
 

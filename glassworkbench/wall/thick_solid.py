@@ -13,10 +13,10 @@ from glassworkbench.freecad import Part
 from glassworkbench.mold import Anatomy, Mold, tessellate
 from glassworkbench.wall.asked import AskedThickness
 from glassworkbench.wall.candidate import Candidate
+from glassworkbench.wall.offset_solid import offset_solid
 from glassworkbench.wall.offset_ways import WAYS
 from glassworkbench.wall.outside import DEVIATION_MM, Outside
 from glassworkbench.wall.per_face import FaceThickness, check_face, per_face_solid
-from glassworkbench.wall.offset_solid import offset_solid
 from glassworkbench.wall.worker import run_in_worker
 from glassworkbench.wall.zones import Zone, check_zones, join_zones, zones_over_height
 

@@ -13,9 +13,9 @@ import numpy as np
 from glassworkbench.errors import GlassWorkbenchError, InputError
 from glassworkbench.freecad import FreeCAD, Part
 from glassworkbench.wall.offset_check import check_solid, facets, facets_volume
+from glassworkbench.wall.offset_solid import hollowed
 from glassworkbench.wall.offset_ways import above, below
 from glassworkbench.wall.revolved import PAST_MOUTH_MM
-from glassworkbench.wall.offset_solid import hollowed
 
 Zone = tuple[float, float, float]
 """From a height to a height, the thickness there; all in mm."""
