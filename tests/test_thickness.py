@@ -9,8 +9,8 @@ from scipy.interpolate import PchipInterpolator
 
 from glassworkbench.errors import InputError
 from glassworkbench.wall.interpolation import PeriodicGrid, monotone_cubic
+from glassworkbench.wall.notation import INTERPOLATIONS
 from glassworkbench.wall.thickness import (
-    INTERPOLATIONS,
     REGIONS,
     BoredThickness,
     FaceThickness,

@@ -5,8 +5,7 @@ The text of each, `str(thickness)`, is what `thickness_text.parse_thickness` rea
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -15,23 +14,19 @@ import numpy as np
 from glassworkbench.errors import GlassWorkbenchError, InputError
 from glassworkbench.scene.validate import finite, positive
 from glassworkbench.settings import unknown_name
-from glassworkbench.wall.asked import AskedThickness, asked_by_angle, asked_by_face, asked_over_height, with_bore
-from glassworkbench.wall.interpolation import TURN_DEG, PeriodicGrid
-from glassworkbench.wall.limits import thickness_mm
+from glassworkbench.wall.asked import AskedThickness, asked_by_face, asked_over_height, with_bore
+from glassworkbench.wall.limits import check_ascending, check_covers, check_interpolation, thickness_mm
+from glassworkbench.wall.notation import text_of, with_interpolation
 from glassworkbench.wall.over_height import ThicknessOverHeight
+from glassworkbench.wall.thickness_grid import GridThickness
 
 if TYPE_CHECKING:
     from glassworkbench.mold import Anatomy, Mold
 
 REGIONS = ("finish", "neck", "shoulder", "body", "stem", "heel", "base")
 
-INTERPOLATIONS = ("smooth", "linear")
-
 BLEND_SHARE = 0.25
 """A region hands over to its neighbour within this share of its own height."""
-
-COVER_SLACK = 0.005
-"""A table may end this share of the height short of the base or the finish; its end value holds there."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +39,7 @@ class UniformThickness:
         object.__setattr__(self, "thickness_mm", thickness_mm(self.thickness_mm, "wall"))
 
     def __str__(self) -> str:
-        return _number(self.thickness_mm)
+        return text_of(self.thickness_mm)
 
     def on(self, mold: Mold) -> AskedThickness:
         """Return the thickness at each point of a mold's outside."""
@@ -85,15 +80,15 @@ class TabulatedThickness:
             )
         if len(heights) < 2:
             raise InputError("wall table: it needs at least two rows; for a uniform wall give one number")
-        _check_ascending(heights)
-        _known(self.interpolation, INTERPOLATIONS, "wall interpolation")
+        check_ascending(heights)
+        check_interpolation(self.interpolation)
         object.__setattr__(self, "heights_mm", heights)
         object.__setattr__(self, "thicknesses_mm", thicknesses)
 
     def __str__(self) -> str:
         rows = zip(self.heights_mm, self.thicknesses_mm, strict=True)
-        text = " ".join(f"{_number(height)}:{_number(thickness)}" for height, thickness in rows)
-        return _with_interpolation(text, self.interpolation)
+        text = " ".join(f"{text_of(height)}:{text_of(thickness)}" for height, thickness in rows)
+        return with_interpolation(text, self.interpolation)
 
     def on(self, mold: Mold) -> AskedThickness:
         """Return the thickness at each point of a mold's outside; raises as `over_height`."""
@@ -107,7 +102,7 @@ class TabulatedThickness:
         InputError
             If the table does not reach from the mold's lowest point to its finish.
         """
-        _check_covers(self.heights_mm, anatomy)
+        check_covers(self.heights_mm, anatomy)
         return ThicknessOverHeight(np.array(self.heights_mm), np.array(self.thicknesses_mm), self.interpolation)
 
 
@@ -132,13 +127,14 @@ class RegionalThickness:
             raise InputError("wall: no region is named; give one like body=2, or one number for all")
         names = [name for name, _ in pairs]
         for name in names:
-            _known(name, REGIONS, "wall region")
+            if name not in REGIONS:
+                raise unknown_name("wall region", name, REGIONS)
             if names.count(name) > 1:
                 raise InputError(f"wall region {name}: given twice; give it once")
         object.__setattr__(self, "regions", tuple((name, thickness_mm(value, f"wall {name}")) for name, value in pairs))
 
     def __str__(self) -> str:
-        return " ".join(f"{name}={_number(value)}" for name, value in self.regions)
+        return " ".join(f"{name}={text_of(value)}" for name, value in self.regions)
 
     def on(self, mold: Mold) -> AskedThickness:
         """Return the thickness at each point of a mold's outside; raises as `over_height`."""
@@ -173,137 +169,6 @@ class RegionalThickness:
 
 
 @dataclass(frozen=True)
-class GridThickness:
-    """A table over height and angle, periodic in angle.
-
-    Parameters
-    ----------
-    heights_mm : tuple of float
-        At least two, ascending from the lowest point of the container; they must reach its finish.
-    angles_deg : tuple of float
-        At least two, ascending from 0 to 360 about the axis, counter-clockwise from the upright container's +x as seen
-        from above. 0 and 360 are the same angle: where both are given, their thicknesses must agree.
-    thicknesses_mm : tuple of tuple of float
-        A row for each height, with a thickness for each angle.
-    interpolation : {"smooth", "linear"}
-        Smooth is bicubic and never leaves the range of the four values around; see `interpolation.PeriodicGrid`.
-
-    Raises
-    ------
-    InputError
-        If a thickness is not above 0, a number not finite, an angle beyond 0 to 360, or heights or angles do not
-        ascend.
-    """
-
-    heights_mm: tuple[float, ...]
-    angles_deg: tuple[float, ...]
-    thicknesses_mm: tuple[tuple[float, ...], ...]
-    interpolation: str = "smooth"
-
-    def __post_init__(self) -> None:
-        heights = tuple(finite(height, "wall height_mm") for height in self.heights_mm)
-        angles = tuple(finite(angle, "wall angle_deg") for angle in self.angles_deg)
-        rows = tuple(tuple(thickness_mm(value, "wall thickness_mm") for value in row) for row in self.thicknesses_mm)
-        if len(rows) != len(heights) or any(len(row) != len(angles) for row in rows):
-            raise InputError(
-                f"wall grid: it needs {len(heights)} rows of {len(angles)} thicknesses, one for each height and angle"
-            )
-        if len(heights) < 2:
-            raise InputError("wall grid: it needs at least two heights; repeat the row where the wall is the same")
-        _check_ascending(heights)
-        for angle in angles:
-            if not 0.0 <= angle <= TURN_DEG:
-                raise InputError(
-                    f"wall grid: angle {_number(angle)} deg is not within 0 to 360; add or take full turns"
-                )
-        for low, high in itertools.pairwise(angles):
-            if high <= low:
-                raise InputError(
-                    f"wall grid: angle {_number(high)} deg follows {_number(low)} deg; give each angle once, ascending"
-                )
-        if angles and angles[-1] == TURN_DEG:
-            if angles[0] == 0.0:
-                for height, row in zip(heights, rows, strict=True):
-                    if row[0] != row[-1]:
-                        raise InputError(
-                            f"wall grid: at height {_number(height)} mm, 0 deg has {_number(row[0])} mm but 360 deg, "
-                            f"the same angle, {_number(row[-1])} mm; leave one out"
-                        )
-                rows = tuple(row[:-1] for row in rows)
-                angles = angles[:-1]
-            else:
-                rows = tuple((row[-1], *row[:-1]) for row in rows)
-                angles = (0.0, *angles[:-1])
-        if len(angles) < 2:
-            raise InputError("wall grid: it needs at least two angles; for a table over height leave the angles out")
-        _known(self.interpolation, INTERPOLATIONS, "wall interpolation")
-        object.__setattr__(self, "heights_mm", heights)
-        object.__setattr__(self, "angles_deg", angles)
-        object.__setattr__(self, "thicknesses_mm", rows)
-
-    @classmethod
-    def from_points(cls, points: Iterable[tuple[float, float, float]], interpolation: str = "smooth") -> GridThickness:
-        """Return the grid that points (height_mm, angle_deg, thickness_mm) make, given row after row.
-
-        Raises
-        ------
-        InputError
-            If the rows are not sorted by height, or one lacks an angle that another has; else as the class.
-        """
-        rows: dict[float, dict[float, float]] = {}
-        previous = -np.inf
-        for height, angle, thickness in points:
-            height, angle = finite(height, "wall height_mm"), finite(angle, "wall angle_deg")
-            if height < previous:
-                _check_ascending((previous, height))
-            previous = height
-            row = rows.setdefault(height, {})
-            if angle in row:
-                raise InputError(
-                    f"wall grid: height {_number(height)} mm, angle {_number(angle)} deg is given twice; give it once"
-                )
-            row[angle] = thickness
-        angles = sorted({angle for row in rows.values() for angle in row})
-        for height, row in rows.items():
-            for angle in angles:
-                if angle not in row:
-                    raise InputError(
-                        f"wall grid: height {_number(height)} mm lacks angle {_number(angle)} deg, which another "
-                        "height has; give every height the same angles"
-                    )
-        return cls(
-            tuple(rows),
-            tuple(angles),
-            tuple(tuple(row[angle] for angle in angles) for row in rows.values()),
-            interpolation,
-        )
-
-    def __str__(self) -> str:
-        text = " ".join(
-            f"{_number(height)}@{_number(angle)}:{_number(thickness)}"
-            for height, row in zip(self.heights_mm, self.thicknesses_mm, strict=True)
-            for angle, thickness in zip(self.angles_deg, row, strict=True)
-        )
-        return _with_interpolation(text, self.interpolation)
-
-    def on(self, mold: Mold) -> AskedThickness:
-        """Return the thickness at each point of a mold's outside.
-
-        Raises
-        ------
-        InputError
-            If the grid does not reach from the mold's lowest point to its finish.
-        """
-        _check_covers(self.heights_mm, mold.anatomy)
-        arrays = map(np.array, (self.heights_mm, self.angles_deg, self.thicknesses_mm))
-        return asked_by_angle(mold, PeriodicGrid(*arrays, smooth=self.interpolation == "smooth"))
-
-    def over_height(self, anatomy: Anatomy) -> ThicknessOverHeight:
-        """Raise: the height alone does not tell this thickness."""
-        raise GlassWorkbenchError("wall: no method makes a wall that varies with the angle; give a table over height")
-
-
-@dataclass(frozen=True)
 class FaceThickness:
     """A thickness per CAD face: a step across sharp edges, a smooth blend across smooth ones.
 
@@ -333,8 +198,8 @@ class FaceThickness:
         object.__setattr__(self, "otherwise_mm", thickness_mm(self.otherwise_mm, "wall else"))
 
     def __str__(self) -> str:
-        named = (f"Face{number}={_number(value)}" for number, value in self.faces)
-        return " ".join((*named, f"else={_number(self.otherwise_mm)}"))
+        named = (f"Face{number}={text_of(value)}" for number, value in self.faces)
+        return " ".join((*named, f"else={text_of(self.otherwise_mm)}"))
 
     def on(self, mold: Mold) -> AskedThickness:
         """Return the thickness at each point of a mold's outside.
@@ -371,7 +236,7 @@ class BoredThickness:
         object.__setattr__(self, "bore_mm", positive(self.bore_mm, "wall bore"))
 
     def __str__(self) -> str:
-        return f"{self.wall} bore={_number(self.bore_mm)}"
+        return f"{self.wall} bore={text_of(self.bore_mm)}"
 
     def on(self, mold: Mold) -> AskedThickness:
         """Return the thickness at each point of a mold's outside; raises as `wall.on`, or if the bore does not fit."""
@@ -383,35 +248,3 @@ class BoredThickness:
 
 
 Thickness = UniformThickness | TabulatedThickness | RegionalThickness | GridThickness | FaceThickness | BoredThickness
-
-
-def _check_ascending(heights: tuple[float, ...]) -> None:
-    for low, high in itertools.pairwise(heights):
-        if high == low:
-            raise InputError(f"wall table: height {_number(high)} mm is given twice; give each height once, sorted")
-        if high < low:
-            raise InputError(
-                f"wall table: height {_number(high)} mm follows {_number(low)} mm; sort the rows by height"
-            )
-
-
-def _check_covers(heights: tuple[float, ...], anatomy: Anatomy) -> None:
-    height, low, high = anatomy.finish_height_mm, heights[0], heights[-1]
-    if low > COVER_SLACK * height or high < (1.0 - COVER_SLACK) * height:
-        raise InputError(
-            f"wall table: it covers heights {low:g} to {high:g} mm, but the container reaches from 0 to "
-            f"{height:g} mm; add rows for the rest"
-        )
-
-
-def _known(name: str, names: tuple[str, ...], field: str) -> None:
-    if name not in names:
-        raise unknown_name(field, name, names)
-
-
-def _with_interpolation(text: str, interpolation: str) -> str:
-    return text if interpolation == "smooth" else f"{text} {interpolation}"
-
-
-def _number(value: float) -> str:
-    return repr(value).removesuffix(".0")

@@ -6,7 +6,7 @@ import csv
 from pathlib import Path
 
 from glassworkbench.errors import InputError
-from glassworkbench.wall.numbers_in_text import number_in
+from glassworkbench.wall.notation import number_in
 from glassworkbench.wall.thickness import GridThickness, TabulatedThickness
 
 COLUMNS = ("height_mm", "angle_deg", "thickness_mm")

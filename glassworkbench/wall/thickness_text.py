@@ -6,9 +6,8 @@ import re
 
 from glassworkbench.errors import InputError
 from glassworkbench.settings import unknown_name
-from glassworkbench.wall.numbers_in_text import number_in
+from glassworkbench.wall.notation import INTERPOLATIONS, number_in
 from glassworkbench.wall.thickness import (
-    INTERPOLATIONS,
     REGIONS,
     BoredThickness,
     FaceThickness,
