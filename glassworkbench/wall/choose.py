@@ -12,17 +12,19 @@ from glassworkbench.errors import GlassWorkbenchError, InputError
 from glassworkbench.freecad import Part
 from glassworkbench.mold import Mold, tessellate
 from glassworkbench.mold.mold import moved
+from glassworkbench.mold.tessellation import outside_mesh
 from glassworkbench.scene import Mesh, Revolved
 from glassworkbench.scene.validate import positive
 from glassworkbench.settings import unknown_name
 from glassworkbench.wall.container import Attempt, Container, SolidFacts, WallReport
-from glassworkbench.wall.contents import weight_g
-from glassworkbench.wall.measure import WallMeasure, measure_wall
+from glassworkbench.wall.contents import centre_of_gravity, weight_g
+from glassworkbench.wall.measure import WallMeasure, in_finish_plane, measure_wall
 from glassworkbench.wall.measure_meridian import clearance_to_mesh, measure_revolved
-from glassworkbench.wall.outside import outside
+from glassworkbench.wall.outside import Outside, outside
 from glassworkbench.wall.profile import wall_meridian
 from glassworkbench.wall.revolved import offset_meridian
 from glassworkbench.wall.solids import hollow_solid, revolved_solid
+from glassworkbench.wall.surface import surface_area
 from glassworkbench.wall.thick_solid import thick_solid
 from glassworkbench.wall.thickness import Thickness, ThicknessOverHeight, UniformThickness, parse_thickness
 from glassworkbench.wall.volumes import Volume, mesh_volume, revolved_volume
@@ -45,10 +47,11 @@ THINNEST_SHARE = 0.5
 
 @dataclass(frozen=True, eq=False)
 class _Candidate:
-    """What a method made: upright solid, cavity past the mouth, and their measures."""
+    """What a method made: upright solid, cavity past the mouth, the same up to the finish, and their measures."""
 
     solid: Part.Shape
     cavity: Revolved | Part.Shape
+    inside: Mesh
     wall: WallMeasure
     capacity: Volume
     glass: Volume
@@ -150,7 +153,8 @@ def _check_fits(mold: Mold, asked: ThicknessOverHeight) -> None:
 def _revolved(mold: Mold, asked: ThicknessOverHeight, seconds: float) -> _Candidate:
     wall = wall_meridian(mold.core, mold.anatomy, asked)
     cavity = offset_meridian(wall, asked)
-    solid = hollow_solid(mold.upright, revolved_solid(cavity), mold.anatomy.finish_face)
+    inside = revolved_solid(cavity)
+    solid = hollow_solid(mold.upright, inside, mold.anatomy.finish_face)
     capacity = revolved_volume(cavity.segments)
     surface = Revolved(cavity.past_mouth)
     if mold.anatomy.is_revolved:
@@ -159,7 +163,8 @@ def _revolved(mold: Mold, asked: ThicknessOverHeight, seconds: float) -> _Candid
         outer = tessellate(mold.upright, MEASURED_DEVIATION_MM)
         glass = mesh_volume(outer).minus(capacity)
         _check_behind_embossing(outer, cavity.segments, mold, asked)
-    return _Candidate(solid, surface, measure_revolved(wall, cavity.segments, asked), capacity, glass)
+    inside = tessellate(inside, MEASURED_DEVIATION_MM)
+    return _Candidate(solid, surface, inside, measure_revolved(wall, cavity.segments, asked), capacity, glass)
 
 
 def _check_behind_embossing(outer: Mesh, cavity: np.ndarray, mold: Mold, asked: ThicknessOverHeight) -> None:
@@ -175,9 +180,13 @@ def _thick_solid(mold: Mold, asked: ThicknessOverHeight, seconds: float) -> _Can
     solid, cavity, past_mouth = run_in_worker(thick_solid, [mold.upright], arguments, seconds)
     cavity_mesh = tessellate(cavity, MEASURED_DEVIATION_MM)
     capacity = mesh_volume(cavity_mesh)
-    wall = measure_wall(cavity_mesh, outside(mold, lambda points, faces: asked.at(points[:, 2])))
+    wall = measure_wall(cavity_mesh, _outside(mold, asked))
     glass = mesh_volume(tessellate(mold.upright, MEASURED_DEVIATION_MM)).minus(capacity)
-    return _Candidate(solid, past_mouth, wall, capacity, glass)
+    return _Candidate(solid, past_mouth, cavity_mesh, wall, capacity, glass)
+
+
+def _outside(mold: Mold, asked: ThicknessOverHeight) -> Outside:
+    return outside(mold, lambda points, faces: asked.at(points[:, 2]))
 
 
 def _not_round(mold: Mold, asked: ThicknessOverHeight) -> str:
@@ -232,6 +241,7 @@ def _container(
     seconds: float,
 ) -> Container:
     solid = moved(candidate.solid, mold.placement)
+    outer, faces = outside_mesh(mold, MEASURED_DEVIATION_MM)
     report = WallReport(
         method=method,
         tried=tuple(attempts),
@@ -243,9 +253,13 @@ def _container(
         weight_g=weight_g(candidate.glass.volume_mm3),
         brimful_ml=1e-3 * candidate.capacity.volume_mm3,
         centre_of_gravity_mm=_in_cad(mold, candidate.glass.centroid_mm),
+        centre_of_gravity_filled_mm=_in_cad(mold, centre_of_gravity(candidate.glass, candidate.capacity)),
+        area_outside_mm2=surface_area(outer, faces != mold.anatomy.finish_face),
+        area_inside_mm2=surface_area(candidate.inside, ~in_finish_plane(candidate.inside)),
         seconds=seconds,
     )
-    return Container(mold, thickness, method, solid, candidate.cavity, report)
+    wall = _outside(mold, thickness.over_height(mold.anatomy))
+    return Container(mold, thickness, method, solid, candidate.cavity, report, candidate.inside, wall)
 
 
 def _in_cad(mold: Mold, point_mm: np.ndarray) -> np.ndarray:
