@@ -220,25 +220,49 @@ def _prepare_hollow(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-o", "--output", required=True, metavar="OUT", help="the ending decides: .step .brep .FCStd .stl"
     )
+    parser.add_argument("--map", metavar="PICTURE", help="draw the thickness of the wall: .png .svg .pdf")
+    parser.add_argument(
+        "--fill-point", metavar="FILL", help="report the capacity up to a height, as 250mm, or the level of 750ml"
+    )
     _add_report_options(parser)
 
 
 def _hollow(options: argparse.Namespace) -> None:
     output = check_writable(options.output, CONTAINER_ENDINGS)
-    _check_files(options, [output])
+    outputs = [output]
+    if options.map is not None:
+        from glassworkbench.wall.map_picture import check_picture
+
+        outputs.append(check_picture(options.map))
+    _check_files(options, outputs)
     _check_positive(options, "scale", "finish_height", "tolerance", "seconds")
+    fill = None if options.fill_point is None else _quantity(options.fill_point)
     container = _container(options, tolerance_mm=options.tolerance, seconds=options.seconds)
-    container.save(output)
     report = container.report.to_json() | {"input": _input(options.mold), "version": __version__}
-    _answer(options, report, f"{output}: {_told_of_wall(report)}")
+    if fill is not None:
+        number, unit = fill
+        level = container.room.level_mm(number) if unit == "ml" else number
+        report["fill_point"] = container.filled(level).to_json()
+    container.save(output)
+    if options.map is not None:
+        container.save_map(options.map)
+    _answer(options, report, f"{', '.join(map(str, outputs))}: {_told_of_wall(report)}")
+
+
+def _quantity(text: str) -> tuple[float, str]:
+    """Return the number and the unit, mm or ml, of a fill point."""
+    match = re.fullmatch(r"\s*([0-9]+(?:\.[0-9]*)?|\.[0-9]+)\s*(mm|ml)\s*", text)
+    if match is None or float(match[1]) == 0.0:
+        raise InputError(f"--fill-point: must be a height as 250mm or a quantity as 750ml, got {text!r}")
+    return float(match[1]), match[2]
 
 
 def _told_of_wall(report: Mapping) -> str:
-    wall = report["wall"]
+    wall, fill = report["wall"], report.get("fill_point")
     return (
         f"wall {wall['asked']} by {report['method']}, 99 % within {wall['deviation_p99_mm']:.2g} mm, "
         f"{report['weight_g']:.0f} g, {report['brimful_ml']:.0f} ml brimful"
-    )
+    ) + (f", {fill['capacity_ml']:.0f} ml up to {fill['level_mm']:.1f} mm" if fill else "")
 
 
 def _add_wall_options(parser: argparse.ArgumentParser, required: bool) -> None:

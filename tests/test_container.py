@@ -46,6 +46,23 @@ def test_a_cylinder_has_the_volume_weight_capacity_and_centre_of_its_formula(cyl
     centre = (body * 60.0 - capacity * (3 + 58.5)) / (body - capacity)
     assert report.centre_of_gravity_mm == pytest.approx([10 + centre, 0, 0], abs=1e-6)
     assert report.wall.deviation_max_mm < 1e-6
+    glass = 2.5 * (body - capacity)
+    filled = (glass * centre + capacity * 61.5) / (glass + capacity)
+    assert report.centre_of_gravity_filled_mm == pytest.approx([10 + filled, 0, 0], abs=1e-6)
+    assert report.area_outside_mm2 == pytest.approx(np.pi * (30**2 + 60 * 120), rel=1e-4)
+    assert report.area_inside_mm2 == pytest.approx(np.pi * (27**2 + 54 * 117), rel=1e-4)
+
+
+def test_a_container_is_filled_to_a_level_or_with_a_quantity(cylinder):
+    container = hollow(cylinder, 3)
+    half = container.filled(63.0)
+    assert half.capacity_ml == pytest.approx(1e-3 * np.pi * 27**2 * 60, rel=1e-4)
+    assert container.room.level_mm(half.capacity_ml) == pytest.approx(63.0, abs=1e-4)
+    glass, liquid = 2.5 * container.report.glass_volume_mm3, 1e3 * half.capacity_ml
+    along = (glass * container.report.centre_of_gravity_mm[0] + liquid * (10 + 33.0)) / (glass + liquid)
+    assert half.centre_of_gravity_mm == pytest.approx([along, 0, 0], abs=2e-3)
+    with pytest.raises(InputError, match="fill level"):
+        container.filled(121.0)
 
 
 def test_the_solid_lies_where_the_mold_lay_and_is_valid(cylinder):
@@ -93,7 +110,7 @@ def test_the_report_has_the_documented_keys(cylinder):
     report = json.loads(json.dumps(hollow(cylinder, "0:3 120:2").report.to_json()))
     assert set(report) == {
         *("method", "tried", "wall", "solid", "glass_volume_mm3", "weight_g", "brimful_ml"),
-        *("centre_of_gravity_mm", "seconds"),
+        *("centre_of_gravity_mm", "centre_of_gravity_filled_mm", "surface_area_mm2", "seconds"),
     }
     assert set(report["tried"][0]) == {"method", "outcome", "why", "seconds"}
     wall = {"asked", "samples", "min_mm", "min_at_mm", "deviation_max_mm", "deviation_p99_mm", "deviation_rms_mm"}

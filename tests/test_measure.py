@@ -56,7 +56,7 @@ def test_a_cavity_beside_the_axis_is_too_thin_on_one_side_and_too_thick_on_the_o
     assert found.minimum_at_mm[0] == pytest.approx(27.5, abs=0.05)
     assert found.deviation_max_mm == pytest.approx(0.5, abs=0.01)
     assert found.thinner_than_asked_max == pytest.approx(0.5 / 3.0, abs=0.005)
-    deviation = wall_at(points_on_wall(inside, wall, 2000), wall).deviation_mm
+    deviation = wall_at(points_on_wall(inside, 2000), wall).deviation_mm
     assert deviation.min() == pytest.approx(-0.5, abs=0.01)
     assert deviation.max() == pytest.approx(0.5, abs=0.01)
 

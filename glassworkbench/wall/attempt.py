@@ -9,17 +9,19 @@ import numpy as np
 
 from glassworkbench.mold import Mold, tessellate
 from glassworkbench.mold.tessellation import outside_mesh
+from glassworkbench.scene import Mesh
 from glassworkbench.wall.asked import AskedThickness
 from glassworkbench.wall.candidate import Candidate
 from glassworkbench.wall.container import SolidFacts
 from glassworkbench.wall.csg import csg
 from glassworkbench.wall.inner_mesh import inner_mesh
 from glassworkbench.wall.lofted import lofted
-from glassworkbench.wall.measure import WallMeasure, measure_wall
-from glassworkbench.wall.outside import Outside, outside
+from glassworkbench.wall.measure import WallMeasure, in_finish_plane, measure_wall
+from glassworkbench.wall.outside import Outside, is_mouth, outside
 from glassworkbench.wall.revolved import revolved
 from glassworkbench.wall.scaled import scaled, scaled_per_axis
 from glassworkbench.wall.self_intersection import self_intersections
+from glassworkbench.wall.surface import surface_area
 from glassworkbench.wall.thick_solid import thick_solid
 from glassworkbench.wall.thickness import Thickness
 from glassworkbench.wall.volumes import Volume, mesh_volume, revolved_volume
@@ -55,6 +57,8 @@ class Attempted:
     solid : SolidFacts
     capacity, glass : Volume
         Of the cavity up to the finish plane, and of the glass; upright.
+    area_outside_mm2, area_inside_mm2 : float
+        Of the glass, as far as the finish plane.
     fault : str
         Why it is not good enough; empty if it is.
     """
@@ -64,6 +68,8 @@ class Attempted:
     solid: SolidFacts
     capacity: Volume
     glass: Volume
+    area_outside_mm2: float
+    area_inside_mm2: float
     fault: str
 
 
@@ -82,10 +88,19 @@ def attempt(mold: Mold, thickness: Thickness, method: str, tolerance_mm: float, 
     candidate = MAKERS[method](mold, asked, wall, seconds)
     measured = measure_wall(candidate.inside, wall, stem_top_mm=mold.anatomy.stem_top_mm)
     capacity = _capacity(candidate)
-    glass = _outer_volume(mold).minus(capacity)
+    outer, faces = outside_mesh(mold, MESH_DEVIATION_MM)
+    glass = _outer_volume(mold, outer).minus(capacity)
     solid = _facts(candidate)
-    fault = _fault(candidate, measured, solid, capacity, glass, tolerance_mm)
-    return Attempted(candidate, measured, solid, capacity, glass, fault)
+    return Attempted(
+        candidate,
+        measured,
+        solid,
+        capacity,
+        glass,
+        surface_area(outer, ~is_mouth(mold, faces)),
+        surface_area(candidate.inside, ~in_finish_plane(candidate.inside)),
+        _fault(candidate, measured, solid, capacity, glass, tolerance_mm),
+    )
 
 
 def _capacity(candidate: Candidate) -> Volume:
@@ -94,10 +109,10 @@ def _capacity(candidate: Candidate) -> Volume:
     return mesh_volume(candidate.inside)
 
 
-def _outer_volume(mold: Mold) -> Volume:
+def _outer_volume(mold: Mold, outer: Mesh) -> Volume:
     if mold.anatomy.is_revolved and mold.core is not None:
         return revolved_volume(mold.core)
-    return mesh_volume(outside_mesh(mold, MESH_DEVIATION_MM)[0])
+    return mesh_volume(outer)
 
 
 def _facts(candidate: Candidate) -> SolidFacts:

@@ -15,7 +15,7 @@ from glassworkbench.settings import unknown_name
 from glassworkbench.wall.asked import AskedThickness
 from glassworkbench.wall.attempt import MAKERS, Attempted, attempt
 from glassworkbench.wall.container import Attempt, Container, WallReport
-from glassworkbench.wall.contents import weight_g
+from glassworkbench.wall.contents import centre_of_gravity, weight_g
 from glassworkbench.wall.thickness import Thickness, UniformThickness
 from glassworkbench.wall.thickness_text import parse_thickness
 from glassworkbench.wall.worker import run_in_worker
@@ -168,6 +168,9 @@ def _container(
         weight_g=weight_g(attempted.glass.volume_mm3),
         brimful_ml=1e-3 * attempted.capacity.volume_mm3,
         centre_of_gravity_mm=_in_cad(mold, attempted.glass.centroid_mm),
+        centre_of_gravity_filled_mm=_in_cad(mold, centre_of_gravity(attempted.glass, attempted.capacity)),
+        area_outside_mm2=attempted.area_outside_mm2,
+        area_inside_mm2=attempted.area_inside_mm2,
         seconds=seconds,
         notes=(*mold.repairs, *candidate.notes),
     )

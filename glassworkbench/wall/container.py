@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +13,13 @@ from glassworkbench.freecad import FreeCAD, Part
 from glassworkbench.mold import Mold, outer_meridian, tessellate
 from glassworkbench.output import check_writable, written_aside
 from glassworkbench.scene import ContainerGeometry, Mesh, Revolved, Surface
+from glassworkbench.wall.contents import LIQUID_G_PER_CM3, Cavity, FillPoint, centre_of_gravity
+from glassworkbench.wall.map_picture import save_picture
 from glassworkbench.wall.measure import WallMeasure
+from glassworkbench.wall.outside import Outside, outside
 from glassworkbench.wall.thickness import Thickness
+from glassworkbench.wall.volumes import Volume
+from glassworkbench.wall.wall_map import WallMap, wall_map
 
 ENDINGS = (".step", ".stp", ".brep", ".fcstd", ".stl")
 
@@ -62,6 +68,10 @@ class WallReport:
         The weight is that of soda-lime glass, 2.5 g/cm3.
     centre_of_gravity_mm : array (3,)
         Of the glass.
+    centre_of_gravity_filled_mm : array (3,)
+        Of the glass and the water that fills it brimful.
+    area_outside_mm2, area_inside_mm2 : float
+        Of the glass outside and inside, as far as the finish plane; what lies in that is neither.
     seconds : float
     notes : tuple of str
         What the user should know besides, in sentences.
@@ -77,6 +87,9 @@ class WallReport:
     weight_g: float
     brimful_ml: float
     centre_of_gravity_mm: np.ndarray
+    centre_of_gravity_filled_mm: np.ndarray
+    area_outside_mm2: float
+    area_inside_mm2: float
     seconds: float
     notes: tuple[str, ...] = ()
 
@@ -114,6 +127,8 @@ class WallReport:
             "weight_g": self.weight_g,
             "brimful_ml": self.brimful_ml,
             "centre_of_gravity_mm": [float(coordinate) for coordinate in self.centre_of_gravity_mm],
+            "centre_of_gravity_filled_mm": [float(coordinate) for coordinate in self.centre_of_gravity_filled_mm],
+            "surface_area_mm2": {"outside": self.area_outside_mm2, "inside": self.area_inside_mm2},
             "seconds": round(self.seconds, 3),
             "notes": list(self.notes),
         }
@@ -146,11 +161,50 @@ class Container:
     inside: Mesh
     report: WallReport
 
+    @cached_property
+    def wall(self) -> Outside:
+        """The mold's outside, with the thickness asked on it."""
+        return outside(self.mold, self.thickness.on(self.mold).at)
+
     def geometry(self) -> ContainerGeometry:
         """Return the container as a station takes it: upright, on surfaces that the tracer knows."""
         return geometry_within(
             self.mold, fine_mesh(self.cavity) if isinstance(self.cavity, Part.Shape) else self.cavity
         )
+
+    @property
+    def room(self) -> Cavity:
+        """The room inside: its capacity at any level, and the level of any capacity."""
+        return Cavity(self.inside)
+
+    def filled(self, level_mm: float, liquid_g_per_cm3: float = LIQUID_G_PER_CM3) -> FillPoint:
+        """Return capacity and centre of gravity (CAD coordinates) of the container filled up to a height.
+
+        Raises
+        ------
+        InputError
+            If the level, above the container's lowest point, is not inside it.
+        """
+        liquid = self.room.filled(level_mm)
+        place = self.mold.placement
+        there = Volume(liquid.volume_mm3, place[:3, :3] @ liquid.centroid_mm + place[:3, 3])
+        glass = Volume(self.report.glass_volume_mm3, self.report.centre_of_gravity_mm)
+        balance = centre_of_gravity(glass, there, liquid_g_per_cm3=liquid_g_per_cm3)
+        return FillPoint(float(level_mm), 1e-3 * liquid.volume_mm3, balance)
+
+    def map(self) -> WallMap:
+        """Return the thickness of the wall all over the outside, and over height."""
+        return wall_map(self.mold, self.inside, self.wall)
+
+    def save_map(self, path: str | Path) -> None:
+        """Draw the map of the wall into a PNG, SVG or PDF file.
+
+        Raises
+        ------
+        InputError
+            If its ending is unknown, its folder cannot be written to, or matplotlib is missing.
+        """
+        save_picture(self.map(), f"{self.mold.name}: wall {self.thickness} by {self.method}", path)
 
     def save(self, path: str | Path) -> None:
         """Write the solid as STEP, BREP, FCStd or STL, by the path's ending.

@@ -91,6 +91,32 @@ class Cavity:
         return 0.5 * (low + high)
 
 
+@dataclass(frozen=True, eq=False)
+class FillPoint:
+    """A container filled to a level.
+
+    Parameters
+    ----------
+    level_mm : float
+        Height above the container's lowest point.
+    capacity_ml : float
+    centre_of_gravity_mm : array (3,)
+        Of glass and liquid together.
+    """
+
+    level_mm: float
+    capacity_ml: float
+    centre_of_gravity_mm: np.ndarray
+
+    def to_json(self) -> dict[str, object]:
+        """Return it as plain numbers."""
+        return {
+            "level_mm": self.level_mm,
+            "capacity_ml": self.capacity_ml,
+            "centre_of_gravity_mm": [float(coordinate) for coordinate in self.centre_of_gravity_mm],
+        }
+
+
 def centre_of_gravity(
     glass: Volume,
     liquid: Volume,

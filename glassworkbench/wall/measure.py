@@ -91,7 +91,7 @@ def measure_wall(inside: Mesh, wall: Outside, *, stem_top_mm: float = 0.0, sampl
     GlassWorkbenchError
         If all of the inside lies in the finish plane or the lip.
     """
-    found = wall_at(points_on_wall(inside, wall, samples), wall, stem_top_mm=stem_top_mm)
+    found = wall_at(points_on_wall(inside, samples), wall, stem_top_mm=stem_top_mm)
     below_lip = found.points_mm[:, 2] < wall.lip_height_mm - found.asked_mm
     if not np.any(below_lip):
         raise GlassWorkbenchError("the cavity does not reach below the lip; ask for a thinner wall")
@@ -110,11 +110,15 @@ def measure_wall(inside: Mesh, wall: Outside, *, stem_top_mm: float = 0.0, sampl
     )
 
 
-def points_on_wall(inside: Mesh, wall: Outside, count: int) -> np.ndarray:
+def points_on_wall(inside: Mesh, count: int) -> np.ndarray:
     """Return points (count, 3) of the inner surface, evenly by area, without the plane that closes the mouth."""
+    return spread(inside, ~in_finish_plane(inside), count)
+
+
+def in_finish_plane(inside: Mesh) -> np.ndarray:
+    """Return which triangles (m,) close a cavity at the finish plane."""
     corners = inside.vertices_mm[inside.triangles]
-    level = np.all(corners[:, :, 2] > wall.finish_height_mm - LEVEL_MM, axis=1) & (facets(corners)[:, 2] > 0.0)
-    return spread(inside, ~level, count)
+    return np.all(corners[:, :, 2] > inside.vertices_mm[:, 2].max() - LEVEL_MM, axis=1) & (facets(corners)[:, 2] > 0.0)
 
 
 def wall_at(points_mm: np.ndarray, wall: Outside, *, stem_top_mm: float = 0.0) -> WallAtPoints:

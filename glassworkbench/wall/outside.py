@@ -131,8 +131,13 @@ def outside(mold: Mold, thickness_at: ThicknessAt, deviation_mm: float = DEVIATI
         Largest distance of the triangles, before their bulge, from the CAD faces.
     """
     mesh, faces = outside_mesh(mold, deviation_mm)
-    mouth = np.isin(faces, (mold.anatomy.finish_face, MOUTH)) & (faces != 0)
+    mouth = is_mouth(mold, faces)
     return outside_of_mesh(mesh, np.maximum(faces, 0), mouth, mold.anatomy.finish_height_mm, thickness_at)
+
+
+def is_mouth(mold: Mold, faces: np.ndarray) -> np.ndarray:
+    """Return which of the triangles that `outside_mesh` gives close the mouth, from their faces' numbers (m,)."""
+    return np.isin(faces, (mold.anatomy.finish_face, MOUTH)) & (faces != 0)
 
 
 def outside_of_mesh(
@@ -189,7 +194,7 @@ def _refined(
     while len(corners):
         sides = np.stack([corners[:, j] - corners[:, i] for i, j in SIDES], axis=1)
         lengths = np.linalg.norm(sides, axis=2)
-        middles, turned = _middles(corners, normals)
+        middles, _ = _middles(corners, normals)
         at_middles = np.stack([thickness_at(middles[:, k], faces) for k in range(3)], axis=1)
         linear = np.stack([0.5 * (thickness[:, i] + thickness[:, j]) for i, j in SIDES], axis=1)
         error = np.abs(at_middles - linear).max(axis=1)
@@ -201,15 +206,23 @@ def _refined(
         corners, normals, thickness, faces, origin = (
             array[coarse] for array in (corners, normals, thickness, faces, origin)
         )
-        row, i = np.arange(len(corners)), longest[coarse]
-        j, k = (i + 1) % 3, (i + 2) % 3
-        halves = []
-        for array, middle in ((corners, middles[coarse]), (normals, turned[coarse]), (thickness, at_middles[coarse])):
-            p, q, r, m = array[row, i], array[row, j], array[row, k], middle[row, i]
-            halves.append(np.concatenate([np.stack([p, m, r], 1), np.stack([m, q, r], 1)]))
-        corners, normals, thickness = halves
+        thickness = _split(thickness, at_middles[coarse], longest[coarse])
+        corners, normals = halved(corners, normals, longest[coarse])
         faces, origin = np.concatenate([faces, faces]), np.concatenate([origin, origin])
     return tuple(np.concatenate(part) for part in zip(*done, strict=True))
+
+
+def halved(corners: np.ndarray, normals: np.ndarray, side: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return triangles (m, 3, 3) cut in two through the middle, on the surface, of one side (m,) each; and normals."""
+    middles, turned = _middles(corners, normals)
+    return _split(corners, middles, side), _split(normals, turned, side)
+
+
+def _split(at_corners: np.ndarray, at_middles: np.ndarray, side: np.ndarray) -> np.ndarray:
+    row = np.arange(len(side))
+    p, q, r = (at_corners[row, (side + turn) % 3] for turn in range(3))
+    m = at_middles[row, side]
+    return np.concatenate([np.stack([p, m, r], axis=1), np.stack([m, q, r], axis=1)])
 
 
 def _middles(corners: np.ndarray, normals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
