@@ -261,6 +261,7 @@ def _common(marks: Sequence[dict[str, float]]) -> list[list[float]]:
         before = [each[kept[-1]] if kept else 0.0 for each in marks]
         room = [each["mouth"] - each[name] for each in marks]
         apart = 0.02 * min(each["mouth"] for each in marks)
-        if name == "mouth" or (min(np.array([each[name] for each in marks]) - before) > apart and min(room) > apart):
+        clear = min(np.array([each[name] for each in marks]) - before) > apart and min(room) > apart
+        if name == "mouth" or clear:
             kept.append(name)
     return [[0.0, *(each[name] for name in kept)] for each in marks]

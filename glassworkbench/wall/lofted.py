@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 
 import numpy as np
 
@@ -42,11 +43,14 @@ OFF_SHARE = 0.003
 SHORTEST_SHARE = 0.03
 """No span of the grid is halved that is shorter everywhere than this share of the thinnest wall."""
 
-TURN_RAD, LONGEST_MM, SHORTEST_MM = np.radians(4.0), 5.0, 0.4
+TURN_RAD, LONGEST_MM, SHORTEST_MM = np.radians(3.0), 4.0, 0.4
 """In the mesh each span of the grid is parted until it turns by less than this and is not longer, but no shorter."""
 
-OTHER_PART_SHARE = 0.25
-"""Where the wanted cavity goes on outside the surface by more than this share of the wall, it has another part."""
+STEM_SLICE_MM, STEM_SECTORS = 0.5, 48
+"""A full stem's radius is its smallest this close to its top; a disc of so many sectors closes it."""
+
+OUTER_POINTS, OTHER_PART_SHARE = 4000, 0.25
+"""Seen from so many outer points, the cavity may go on outside the surface by no more than this share of the wall."""
 
 
 def lofted(mold: Mold, asked: AskedThickness, wall: Outside, seconds: float) -> Candidate:
@@ -70,6 +74,8 @@ def lofted(mold: Mold, asked: AskedThickness, wall: Outside, seconds: float) -> 
     """
     end = time.monotonic() + seconds
     anatomy = mold.anatomy
+    if anatomy.stem_top_mm > 0.0:
+        wall = _with_full_stem(wall, asked, anatomy.stem_top_mm)
     base, finish = anatomy.stem_top_mm or anatomy.push_up_mm, anatomy.finish_height_mm
     floor = floor_height(wall.clearance, wall.distance, base, finish)
     angles = chosen_angles(wall.clearance, floor, finish, HALF_PLANES)
@@ -80,12 +86,33 @@ def lofted(mold: Mold, asked: AskedThickness, wall: Outside, seconds: float) -> 
     grid[1:-1] = _settled(wall.clearance, grid[1:-1])
     grid[-1] = _settled(wall.clearance, grid[-1], level=True)
     surface = _refined(LoftSurface(*chord_parameters(grid), grid), wall.clearance, asked.minimum_mm, end)
+    _check_whole(wall, surface, anatomy.stem_top_mm)
     u, v = _mesh_parameters(surface)
-    inside = surface.mesh(u, v)
-    _check_whole(wall, surface)
-    cavity, past_mouth = _bodies(surface)
-    solid = None if mold.upright is None else _solid(mold, cavity, past_mouth, end - time.monotonic())
-    return Candidate(solid, past_mouth, inside)
+    solid = None if mold.upright is None else _solid(mold, surface, end - time.monotonic())
+    # OCC would take minutes for a worse mesh of the same surface.
+    return Candidate(solid, surface.mesh(u, v, PAST_MOUTH_MM), surface.mesh(u, v))
+
+
+def _with_full_stem(wall: Outside, asked: AskedThickness, stem_top_mm: float) -> Outside:
+    """Return an outside that the top of the stem closes, so that the cavity keeps the wall above it."""
+    corners = wall.corners_mm.reshape(-1, 3)
+    level = np.abs(corners[:, 2] - stem_top_mm).min() + STEM_SLICE_MM
+    radius = np.hypot(*corners[np.abs(corners[:, 2] - stem_top_mm) <= level, :2].T).min()
+    turn = np.linspace(0.0, 2.0 * np.pi, STEM_SECTORS + 1)
+    ring = np.column_stack([radius * np.cos(turn), radius * np.sin(turn), np.full(len(turn), stem_top_mm)])
+    centre = np.broadcast_to([0.0, 0.0, stem_top_mm], (STEM_SECTORS, 3))
+    disc = np.stack([centre, ring[1:], ring[:-1]], axis=1)
+    faces = np.zeros(STEM_SECTORS, dtype=wall.faces.dtype)
+    return replace(
+        wall,
+        corners_mm=np.concatenate([wall.corners_mm, disc]),
+        normals=np.concatenate([wall.normals, np.broadcast_to([0.0, 0.0, -1.0], disc.shape)]),
+        thickness_mm=np.concatenate(
+            [wall.thickness_mm, np.stack([asked.at(disc[:, k], faces) for k in range(3)], axis=1)]
+        ),
+        faces=np.concatenate([wall.faces, faces]),
+        collar=np.concatenate([wall.collar, np.zeros(STEM_SECTORS, dtype=bool)]),
+    )
 
 
 def _settled(clearance: Clearance, points: np.ndarray, level: bool = False) -> np.ndarray:
@@ -182,22 +209,23 @@ def _parted(knots: np.ndarray, points: np.ndarray, normals: np.ndarray) -> np.nd
     return np.append(np.concatenate(pieces), knots[-1])
 
 
-def _check_whole(wall: Outside, surface: LoftSurface) -> None:
-    """Raise where points a little more than a wall behind the outside are wanted in the cavity, but are not in it."""
+def _check_whole(wall: Outside, surface: LoftSurface, stem_top_mm: float) -> None:
+    """Raise where the outside lies in the cavity, or the wanted cavity goes on outside the surface."""
     glass = ~wall.collar & (wall.corners_mm[:, :, 2].max(axis=1) < wall.finish_height_mm)
-    numbers = np.flatnonzero(glass)[:: max(1, int(glass.sum()) // 4000)]
+    glass &= wall.corners_mm[:, :, 2].min(axis=1) >= stem_top_mm
+    numbers = np.flatnonzero(glass)[:: max(1, int(glass.sum()) // OUTER_POINTS)]
+    outer, thickness = wall.corners_mm[numbers].mean(axis=1), wall.thickness_mm[numbers].mean(axis=1)
     normals = wall.normals[numbers].mean(axis=1)
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
-    depth = (1.0 + OTHER_PART_SHARE) * wall.thickness_mm[numbers].mean(axis=1)
-    points = wall.corners_mm[numbers].mean(axis=1) - depth[:, None] * normals
-    wanted = wall.clearance(points).clearance_mm > 0.5 * OTHER_PART_SHARE * wall.thickness_mm[numbers].mean(axis=1)
-    points = points[wanted & (points[:, 2] < wall.finish_height_mm)]
-    left_out = points[~_within(surface, points)]
-    if len(left_out):
-        x, y, z = left_out[0]
+    behind = outer - ((1.0 + OTHER_PART_SHARE) * thickness)[:, None] * normals
+    wanted = wall.clearance(behind).clearance_mm > 0.5 * OTHER_PART_SHARE * thickness
+    wrong = np.concatenate([outer[_within(surface, outer)], behind[wanted & ~_within(surface, behind)]])
+    wrong = wrong[wrong[:, 2] < wall.finish_height_mm]
+    if len(wrong):
+        x, y, z = wrong[0]
         raise GlassWorkbenchError(
-            f"the half-plane at {np.degrees(np.arctan2(y, x)) % 360.0:.0f} degrees meets the body in more than one "
-            f"curve at height {z:.1f} mm"
+            f"the half-plane at angle {np.degrees(np.arctan2(y, x)) % 360.0:.0f} degrees meets the body in more than "
+            f"one curve at height {z:.1f} mm"
         )
 
 
@@ -246,7 +274,8 @@ def _sewn(faces: list[Part.Shape]) -> Part.Shape:
     return solid if solid.Volume > 0.0 else solid.reversed()
 
 
-def _solid(mold: Mold, cavity: Part.Shape, past_mouth: Part.Shape, seconds: float) -> Part.Shape:
+def _solid(mold: Mold, surface: LoftSurface, seconds: float) -> Part.Shape:
+    cavity, past_mouth = _bodies(surface)
     try:
         return hollow_solid(mold.upright, cavity, mold.anatomy.finish_face)
     # OCC raises errors of many kinds, which derive from Exception only.
