@@ -45,7 +45,8 @@ def test_a_cylinder_has_the_volume_weight_capacity_and_centre_of_its_formula(cyl
     assert report.weight_g == pytest.approx(2.5e-3 * (body - capacity), rel=1e-9)
     centre = (body * 60.0 - capacity * (3 + 58.5)) / (body - capacity)
     assert report.centre_of_gravity_mm == pytest.approx([10 + centre, 0, 0], abs=1e-6)
-    assert report.wall.deviation_max_mm < 1e-6
+    # The measure itself, which looks at meshes, is good to a micrometre.
+    assert report.wall.deviation_max_mm < 1e-3
     glass = 2.5 * (body - capacity)
     filled = (glass * centre + capacity * 61.5) / (glass + capacity)
     assert report.centre_of_gravity_filled_mm == pytest.approx([10 + filled, 0, 0], abs=1e-6)
@@ -85,7 +86,7 @@ def test_a_square_mold_is_hollowed_by_offset(square):
     outside = (60**2 - (4 - np.pi) * 10**2) * 100
     capacity = (52**2 - (4 - np.pi) * 6**2) * 96
     report = container.report
-    assert [attempt.outcome for attempt in report.tried] == ["unsuitable", "accepted"]
+    assert [attempt.outcome for attempt in report.tried] == ["accepted"]
     assert report.method == "thick_solid"
     assert report.brimful_ml == pytest.approx(1e-3 * capacity, rel=1e-4)
     assert report.weight_g == pytest.approx(2.5e-3 * (outside - capacity), rel=1e-3)
@@ -144,10 +145,22 @@ def test_unknown_methods_and_impossible_limits_are_refused(cylinder):
 
 
 def test_where_all_methods_fail_the_user_reads_what_was_tried(square):
-    with pytest.raises(GlassWorkbenchError, match=r"revolved: .*thick_solid: .*varies"):
-        hollow(square, "0:3 100:2")
-    with pytest.raises(GlassWorkbenchError, match="within 1e-09 mm"):
-        hollow(square, 3, tolerance_mm=1e-9)
+    with pytest.raises(GlassWorkbenchError, match=r"within 1e-09 mm \(thick_solid: .*lofted: .*inner_mesh: "):
+        hollow(square, 3, tolerance_mm=1e-9, seconds=60)
+
+
+def test_a_method_that_a_mold_is_not_made_for_says_so(square):
+    with pytest.raises(GlassWorkbenchError, match=r"revolved: the mold departs from a body of revolution by"):
+        hollow(square, 3, method="revolved")
+    with pytest.raises(GlassWorkbenchError, match=r"thick_solid: .*varies so much"):
+        hollow(square, "0:6 100:2", method="thick_solid")
+
+
+def test_a_wall_that_varies_on_a_square_mold_is_lofted(square):
+    report = hollow(square, "0:4 100:3").report
+    assert report.method == "lofted"
+    assert report.solid.valid
+    assert report.wall.deviation_p99_mm < 0.06
 
 
 def test_a_method_that_runs_out_of_time_is_an_outcome(square):
@@ -156,12 +169,12 @@ def test_a_method_that_runs_out_of_time_is_an_outcome(square):
 
 
 def test_a_worker_that_crashes_is_an_outcome(square, monkeypatch):
-    monkeypatch.setattr(choose, "thick_solid", crash)
+    monkeypatch.setattr(choose, "attempt", crash)
     with pytest.raises(GlassWorkbenchError, match="thick_solid: the worker process crashed"):
         hollow(square, 3)
 
 
-def crash(outer, finish_face, thickness_mm):
+def crash(mold, thickness, method, tolerance_mm, seconds):
     import os
 
     os.abort()

@@ -104,7 +104,7 @@ def hollow(
             break
     if impossible:
         raise impossible[-1]
-    story = "; ".join(f"{made.method}: {made.why}" for made in attempts)
+    story = "; ".join(f"{made.method}: {made.why.removeprefix(f'{made.method}: ')}" for made in attempts)
     raise GlassWorkbenchError(
         f"{mold.name}: no method gives a wall of {thickness} mm within {tolerance:.3g} mm ({story}); "
         "ask for another wall, a larger tolerance or more time"

@@ -33,7 +33,7 @@ LEVEL_MM = 1e-4
 LONGEST_MM = 10.0
 """Where the thickness varies, no triangle is longer: a narrow step of the thickness must not fall between corners."""
 
-THICKNESS_ERROR_MM = 5e-4
+THICKNESS_ERROR_MM = 2e-3
 """Triangles are halved until the thickness is this close to linear along their sides (but see `SHORTEST_MM`)."""
 
 SHORTEST_MM = 0.2

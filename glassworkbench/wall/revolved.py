@@ -21,7 +21,7 @@ from glassworkbench.wall.unfolding import clearance
 
 __all__ = ["PAST_MOUTH_MM", "CavityMeridian", "clearance", "offset_meridian", "revolved"]
 
-DEVIATION_MM = 0.02
+DEVIATION_MM = 0.01
 """Of the inside's mesh; the bulge between its vertices is known a hundred times better."""
 
 THINNEST_SHARE = 0.5
