@@ -1,4 +1,6 @@
 import itertools
+from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -6,17 +8,22 @@ import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
-from glassworkbench.errors import InputError
+from glassworkbench.errors import GlassWorkbenchError, InputError
+from glassworkbench.mold import read_mold, tessellate
 from glassworkbench.scene import Revolved
+from glassworkbench.wall.along_meridian import AlongMeridian
+from glassworkbench.wall.asked import AskedThickness
 from glassworkbench.wall.bezier import crossings, evaluate, fit_cubic, line, polyline, unit
 from glassworkbench.wall.bore import Bore
 from glassworkbench.wall.inner_meridian import offset_meridian
 from glassworkbench.wall.measure_meridian import measure_revolved
+from glassworkbench.wall.volumes import mesh_volume, revolved_volume
+from glassworkbench.wall.outside import outside
 from glassworkbench.wall.profile import wall_meridian
+from glassworkbench.wall.revolved import revolved
 from glassworkbench.wall.thickness_text import parse_thickness
 from glassworkbench.wall.turned_mesh import turned_mesh
 from glassworkbench.wall.unfolding import clearance
-from glassworkbench.wall.volumes import mesh_volume, revolved_volume
 
 
 def arc(centre, radius, start_deg, end_deg):
@@ -339,3 +346,58 @@ def test_the_mesh_of_a_meridian_holds_its_volume_and_lies_on_it():
     assert np.abs(least_gap(cavity.segments, flat[::97])).max() < 2e-3
     assert np.linalg.norm(mesh.normals, axis=1) == pytest.approx(1.0, abs=1e-12)
     assert mesh.vertices_mm[:, 2].max() == 300.0
+
+
+@pytest.fixture(scope="module")
+def beer_bottle():
+    return read_mold(Path(__file__).resolve().parent.parent / "examples" / "molds" / "beer_bottle.step")
+
+
+def wall_of(mold, bore=None):
+    along = AlongMeridian(parse_thickness("3").over_height(mold.anatomy), bore)
+
+    def at(points, faces):
+        return along.at(np.column_stack([np.hypot(points[:, 0], points[:, 1]), points[:, 2]]))
+
+    return AskedThickness(at, 3.0, 3.0, along.over_height, bore), outside(mold, at, 0.2)
+
+
+@pytest.fixture(scope="module")
+def beer_wall(beer_bottle):
+    return wall_of(beer_bottle)
+
+
+def test_the_method_hands_over_a_sound_solid_the_cavity_past_the_mouth_and_the_inside(beer_bottle, beer_wall):
+    asked, outer = beer_wall
+    made = revolved(beer_bottle, asked, outer, 60.0)
+    assert made.solid.isValid()
+    assert len(made.solid.Solids) == 1
+    assert polyline(made.cavity.meridian, 8)[:, 1].max() == pytest.approx(235.0)
+    capacity = mesh_volume(made.inside).volume_mm3
+    assert made.inside.vertices_mm[:, 2].max() == pytest.approx(230.0, abs=1e-9)
+    glass = mesh_volume(tessellate(made.solid, 0.1)).volume_mm3
+    assert glass == pytest.approx(revolved_volume(beer_bottle.core).volume_mm3 - capacity, rel=2e-3)
+    below_lip = made.inside.vertices_mm[made.inside.vertices_mm[:, 2] < 225.0]
+    assert np.abs(outer.clearance(below_lip[::5]).clearance_mm).max() < 0.06
+
+
+def test_the_method_refuses_what_is_not_a_function_of_the_height(beer_bottle, beer_wall):
+    asked, outer = beer_wall
+    with pytest.raises(GlassWorkbenchError, match="varies with angle or face"):
+        revolved(beer_bottle, replace(asked, over_height=None), outer, 60.0)
+
+
+def test_a_bore_that_leaves_no_sealing_surface_is_refused(beer_bottle, beer_wall):
+    asked, outer = beer_wall
+    with pytest.raises(InputError, match=r"wall bore: 23 mm leaves nothing of the sealing surface at height 230\.0 mm"):
+        revolved(beer_bottle, replace(asked, bore=Bore(11.5, 216.5, 205.0)), outer, 60.0)
+
+
+def test_behind_the_rings_of_a_bottle_the_bore_is_straight(beer_bottle):
+    low, high = beer_bottle.anatomy.regions["finish"]
+    asked, outer = wall_of(beer_bottle, Bore(8.0, low, low - (high - low)))
+    made = revolved(beer_bottle, asked, outer, 60.0)
+    points = polyline(made.cavity.meridian[:-1], 20)
+    finish = points[points[:, 1] >= low - 1e-6]
+    assert np.abs(finish[:, 0] - 8.0).max() < 1e-6
+    assert made.solid.isValid()

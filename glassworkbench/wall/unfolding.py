@@ -129,9 +129,11 @@ def _joint(envelope: Envelope, last: int, first: int) -> tuple[float, float] | N
 def up_to(envelope: Envelope, stretches: list[tuple[float, float]], height_mm: float) -> list[tuple[float, float]]:
     """Return the stretches up to where they first reach a height."""
     for number, (start, end) in enumerate(stretches):
-        inside = envelope.places[(envelope.places > start) & (envelope.places < end)]
-        places = np.concatenate([[start], inside, [end]])
-        above = np.flatnonzero(envelope.at(places).points[:, 1] >= height_mm)
+        within = (envelope.places > start) & (envelope.places < end)
+        places = np.concatenate([[start], envelope.places[within], [end]])
+        ends = envelope.at(places[[0, -1]]).points[:, 1]
+        heights = np.concatenate([ends[:1], envelope.trace.points[within, 1], ends[1:]])
+        above = np.flatnonzero(heights >= height_mm)
         if len(above) and above[0] > 0:
             low, high = places[above[0] - 1], places[above[0]]
             for _ in range(60):
