@@ -11,10 +11,11 @@ import numpy as np
 
 from glassworkbench.errors import InputError
 from glassworkbench.glass import find_filling, find_glass
-from glassworkbench.scene.bodies import Body, Ellipsoid, Mesh, Revolved, Surface
+from glassworkbench.scene.bodies import Body, Ellipsoid, Revolved, Surface
 from glassworkbench.scene.cameras import Camera, Pinhole, Telecentric
 from glassworkbench.scene.lights import Environment, Light, Panel
 from glassworkbench.scene.media import Medium
+from glassworkbench.scene.mesh import Mesh
 from glassworkbench.scene.meshes import read_mesh
 from glassworkbench.scene.scene import Scene
 from glassworkbench.scene.validate import finite, finite_array, unit_vector

@@ -1,0 +1,267 @@
+// A body bounded by sheets of rational Bezier patches: tessellated for topology, refined for truth.
+//
+// A closed mesh cuts the sheets into curved triangles: the images of straight triangles in a sheet's parameters. What a
+// ray meets is decided in two steps that cannot contradict each other.
+//
+// Topology. How often a ray crosses a curved triangle, entering counted against leaving, is the winding number about
+// the ray of the triangle's boundary seen along it. The boundary is three edges, each a parabola through its ends and a
+// middle on the surface, and both triangles at an edge hold the same numbers. A straight edge adds to the winding
+// number what it adds in a mesh; where the ray passes between an edge's chord and its arc, the loop of the two winds
+// about the ray once more, in the sense in which the edge is run. Both are odd in that sense in floating point too, so
+// over the closed body every line enters as often as it leaves: nothing leaks at seams, vertices, poles or silhouettes,
+// whatever becomes of the second step.
+//
+// Geometry. Newton on the exact sheet, in the triangle's barycentric coordinates, from where the ray meets the flat
+// triangle. It need not stop at the triangle's side: the sheet goes on there, and edges are off it by the fourth order
+// of their length only, so a foot just outside is as exact. A foot of the wrong sense lies beyond the silhouette, and
+// is mirrored at it. Where no foot of the right sense is found nearby, the point of the flat triangle has to do.
+//
+// Silhouettes. Where the winding number is 0 and the ray can be tangent to the triangle at all (a cone around its
+// normals tells), it may still enter and leave: then Newton finds two feet of opposite sense, or the ray passes by.
+// Only pairs are reported, so they do not touch the count. A pair belongs to the triangle that its middle is in.
+//
+// Order. Crossings are compared by their exact distances; boxes hold the curved triangles, not the flat ones. The
+// crossing that a ray starts at is known by its triangle, place and sense: a triangle that the ray cannot be tangent to
+// is met once, so it is passed over; on another only the second foot counts. A neighbour that claims the same crossing,
+// at a shared edge, contradicts what the ray is inside of, and is passed over for that. No distance is compared with a
+// wall's thickness.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "hierarchy.hpp"
+#include "sheet.hpp"
+#include "shear.hpp"
+#include "vector.hpp"
+
+namespace glass {
+
+// What curved_triangles.py knows of a triangle; edge k runs from corner k to the next.
+struct CurvedTriangle {
+    Vector corner[3], middle[3];
+    bool along[3];  // whether the edge is run in the sense in which it is stored
+    std::int32_t sheet;
+    double u[3], v[3];
+    Vector cone_axis;
+    double cone_sine;  // the ray can be tangent only if the sine of its angle with the axis' plane is no more
+};
+
+class Patches {
+public:
+    Patches(std::vector<Sheet> sheets, const std::vector<CurvedTriangle>& triangles, const std::vector<Box>& boxes)
+        : sheets_(std::move(sheets)), hierarchy_(boxes) {
+        triangles_.reserve(triangles.size());
+        for (const std::int32_t number : hierarchy_.order()) triangles_.emplace_back(triangles[number]);
+    }
+
+    const Box& bounds() const { return hierarchy_.bounds(); }
+
+    template <class Visit>
+    void crossings(const Ray& ray, double t_min, const double& t_best, const Hit& start, Visit&& visit) const {
+        const Shear shear(ray);
+        hierarchy_.visit(ray, t_min, t_best, [&](std::int32_t number) { test(ray, shear, number, start, visit); });
+    }
+
+    void place(const Ray&, const Hit& hit, Vector& point, Vector& normal) const {
+        const Triangle& triangle = triangles_[hit.part];
+        const Tangents s = at(triangle, hit.u, hit.v);
+        point = s.point;
+        normal = cross(s.by_p, s.by_q);
+        if (dot(normal, normal) <= 1e-16 * dot(s.by_p, s.by_p) * dot(s.by_q, s.by_q)) {
+            // A collapsed edge has no normal: the limit from the triangle's middle.
+            const Tangents inner = at(triangle, hit.u + towards_middle * (1.0 / 3.0 - hit.u),
+                                      hit.v + towards_middle * (1.0 / 3.0 - hit.v));
+            normal = cross(inner.by_p, inner.by_q);
+        }
+        normal = normalised(normal);
+    }
+
+    Vector facet_normal(const Hit&, const Vector& normal) const { return normal; }
+
+private:
+    static constexpr double towards_middle = 1e-7;
+    static constexpr int most_steps = 30;
+    static constexpr double beyond = 0.6;       // barycentric coordinates that Newton may fall below 0 by
+    static constexpr double on_triangle = 1e-4;  // the same for pairs
+
+    struct Triangle : CurvedTriangle {
+        // Areas seen along a ray, above which it passes an edge farther off than its arc.
+        double reach[3];
+
+        explicit Triangle(const CurvedTriangle& triangle) : CurvedTriangle(triangle) {
+            for (int k = 0; k < 3; ++k) {
+                const Vector &p = corner[k], &q = corner[(k + 1) % 3];
+                // A shear stretches lengths by up to sqrt 3.
+                reach[k] = 3.01 * length(q - p) * length(middle[k] - 0.5 * (p + q));
+            }
+        }
+    };
+
+    // A point of a triangle's sheet, and its derivatives by the barycentric coordinates of corners 1 and 2.
+    struct Tangents {
+        Vector point, by_p, by_q;
+    };
+
+    struct Root {
+        bool found = false;
+        double p = 0.0, q = 0.0, t = 0.0;
+        int sense = 0;  // 1 where the ray leaves, -1 where it enters
+    };
+
+    Tangents at(const Triangle& triangle, double p, double q) const {
+        const double u1 = triangle.u[1] - triangle.u[0], u2 = triangle.u[2] - triangle.u[0];
+        const double v1 = triangle.v[1] - triangle.v[0], v2 = triangle.v[2] - triangle.v[0];
+        const SheetPoint s = sheets_[triangle.sheet].at(triangle.u[0] + p * u1 + q * u2, triangle.v[0] + p * v1 + q * v2);
+        return {s.point, u1 * s.by_u + v1 * s.by_v, u2 * s.by_u + v2 * s.by_v};
+    }
+
+    template <class Visit>
+    void test(const Ray& ray, const Shear& shear, std::int32_t number, const Hit& start, Visit&& visit) const {
+        const Triangle& triangle = triangles_[number];
+        Vector corner[3];
+        for (int k = 0; k < 3; ++k) corner[k] = shear.point(triangle.corner[k]);
+        double areas[3];
+        int turns = 0;
+        for (int k = 0; k < 3; ++k) {
+            const Vector &p = corner[k], &q = corner[(k + 1) % 3];
+            areas[k] = area(p, q);
+            turns += winding(p, q, areas[k]);
+            if (std::fabs(areas[k]) <= triangle.reach[k]) {
+                const Vector middle = shear.point(triangle.middle[k]);
+                turns += triangle.along[k] ? lens(p, q, middle) : -lens(q, p, middle);
+            }
+        }
+        const bool may_touch = std::fabs(dot(ray.direction, triangle.cone_axis)) <= triangle.cone_sine;
+        if (number == start.part) {
+            if (!may_touch) return;
+            const Root here = known(shear, triangle, start.u, start.v);
+            if (turns == here.sense) return;
+            if (turns == 0) {
+                const Root other = mirrored(shear, triangle, here);
+                if (other.found && other.sense == -here.sense && on(other)) report(number, other, other.sense, visit);
+                return;
+            }
+        }
+        if (turns != 0) {
+            const Root root = crossing(shear, triangle, corner, areas, turns);
+            for (int k = 0; k < std::abs(turns); ++k) report(number, root, turns, visit);
+        } else if (may_touch) {
+            const Root first = refined(shear, triangle, 1.0 / 3.0, 1.0 / 3.0);
+            if (!first.found || !on(first)) return;
+            const Root second = mirrored(shear, triangle, first);
+            if (!second.found || !on(second) || second.sense != -first.sense) return;
+            const double p = 0.5 * (first.p + second.p), q = 0.5 * (first.q + second.q);
+            if (!(p >= 0.0 && q >= 0.0 && p + q <= 1.0)) return;
+            report(number, first, first.sense, visit);
+            report(number, second, second.sense, visit);
+        }
+    }
+
+    template <class Visit>
+    static void report(std::int32_t number, const Root& root, int turns, Visit&& visit) {
+        visit(Hit{root.t, turns < 0, number, root.p, root.q});
+    }
+
+    static bool on(const Root& root) {
+        return root.p >= -on_triangle && root.q >= -on_triangle && root.p + root.q <= 1.0 + on_triangle;
+    }
+
+    // How often the loop from p along the parabola through the middle to q, and straight back, winds about the ray.
+    // In the barycentric coordinates of its control triangle (a, b, c at q, p and the control point) the parabola is
+    // c^2 = 4 a b, the chord c = 0.
+    static int lens(const Vector& p, const Vector& q, const Vector& middle) {
+        const Vector control = 2.0 * middle - 0.5 * (p + q);
+        const double a = area(p, control), b = area(control, q), c = area(q, p);
+        if (a > 0.0 && b > 0.0 && c > 0.0) return c * c < 4.0 * a * b;
+        if (a < 0.0 && b < 0.0 && c < 0.0) return -(c * c < 4.0 * a * b);
+        return 0;
+    }
+
+    // The crossing that the winding number promises.
+    Root crossing(const Shear& shear, const Triangle& triangle, const Vector* corner, const double* areas,
+                  int turns) const {
+        const double total = areas[0] + areas[1] + areas[2];
+        // The area of edge k belongs to the corner across.
+        double p = areas[2] / total, q = areas[0] / total;
+        if (!(p >= -beyond && q >= -beyond && p + q <= 1.0 + beyond)) p = q = 1.0 / 3.0;
+        const int sense = turns < 0 ? -1 : 1;
+        const Root flat{true, p, q, shear.sz * ((1.0 - p - q) * corner[0].z + p * corner[1].z + q * corner[2].z), sense};
+        const double starts[2][2] = {{p, q}, {1.0 / 3.0, 1.0 / 3.0}};
+        for (const auto& s : starts) {
+            Root root = refined(shear, triangle, s[0], s[1]);
+            if (root.found && root.sense != sense) root = mirrored(shear, triangle, root);
+            if (root.found && root.sense == sense) return root;
+        }
+        return flat;
+    }
+
+    struct Projected {
+        Vector value, by_p, by_q;
+        double determinant;
+    };
+
+    Projected projected(const Shear& shear, const Triangle& triangle, double p, double q) const {
+        const Tangents s = at(triangle, p, q);
+        const Vector by_p = shear.direction(s.by_p), by_q = shear.direction(s.by_q);
+        return {shear.point(s.point), by_p, by_q, area(by_p, by_q)};
+    }
+
+    Root known(const Shear& shear, const Triangle& triangle, double p, double q) const {
+        const Projected f = projected(shear, triangle, p, q);
+        return {true, p, q, shear.sz * f.value.z, f.determinant < 0.0 ? -1 : 1};
+    }
+
+    // Newton from (p, q) to a foot of the ray on the sheet, in or near the triangle.
+    Root refined(const Shear& shear, const Triangle& triangle, double p, double q) const {
+        double previous = 1.0;
+        for (int i = 0; i < most_steps; ++i) {
+            const Projected f = projected(shear, triangle, p, q);
+            const double inverse = -1.0 / f.determinant;
+            double d_p = inverse * area(f.value, f.by_q), d_q = inverse * area(f.by_p, f.value);
+            double step = std::fmax(std::fabs(d_p), std::fabs(d_q));
+            if (!(step < INFINITY)) return {};
+            if (step > 0.5) {
+                d_p *= 0.5 / step;
+                d_q *= 0.5 / step;
+                step = 0.5;
+            }
+            p += d_p;
+            q += d_q;
+            if (!(p >= -beyond && q >= -beyond && p + q <= 1.0 + beyond)) return {};
+            // Near a double root steps only halve, and a small one does not mean that the root is near.
+            if (step < 1e-13 || (step < 1e-8 && step < 0.01 * previous)) {
+                const double depth = f.value.z + d_p * f.by_p.z + d_q * f.by_q.z;
+                return {true, p, q, shear.sz * depth, f.determinant < 0.0 ? -1 : 1};
+            }
+            previous = step;
+        }
+        return {};
+    }
+
+    // The foot on the other side of the silhouette: along the direction in which the projection folds, as far beyond
+    // the fold as the known foot is before it.
+    Root mirrored(const Shear& shear, const Triangle& triangle, const Root& root) const {
+        const Projected f = projected(shear, triangle, root.p, root.q);
+        // The direction that the projection shortens most: across the longer row of the matrix.
+        const bool x_row = std::fabs(f.by_p.x) + std::fabs(f.by_q.x) > std::fabs(f.by_p.y) + std::fabs(f.by_q.y);
+        double k_p = x_row ? f.by_q.x : f.by_q.y, k_q = x_row ? -f.by_p.x : -f.by_p.y;
+        const double size = std::fmax(std::fabs(k_p), std::fabs(k_q));
+        if (!(size > 0.0)) return {};
+        k_p /= size;
+        k_q /= size;
+        constexpr double probe = 1e-4;
+        const double ahead = projected(shear, triangle, root.p + probe * k_p, root.q + probe * k_q).determinant;
+        const double way = -2.0 * probe * f.determinant / (ahead - f.determinant);
+        if (!(std::fabs(way) < 4.0)) return {};
+        const Root other = refined(shear, triangle, root.p + way * k_p, root.q + way * k_q);
+        return other.found && other.sense != root.sense ? other : Root{};
+    }
+
+    std::vector<Sheet> sheets_;
+    Hierarchy hierarchy_;
+    std::vector<Triangle> triangles_;
+};
+
+}  // namespace glass
