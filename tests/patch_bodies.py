@@ -85,17 +85,8 @@ def tessellated(sheets, around, along, turn=None, shift=(0.0, 0.0, 0.0), deviati
     _, first, place = np.unique(np.round(points, WELD_DECIMALS) + 0.0, axis=0, return_index=True, return_inverse=True)
     corners = place.reshape(-1)[triangles]
     kept = np.all(corners != np.roll(corners, 1, axis=1), axis=1)
-    uv_of_corner = uvs[triangles[kept]]
-    corners = corners[kept]
-    # A pole has any parameter around it: the middle of its triangle's.
-    meeting = np.bincount(corners.ravel())
-    poles = np.flatnonzero(meeting > 12)
-    for k in range(3):
-        at_pole = np.isin(corners[:, k], poles)
-        others = uv_of_corner[at_pole][:, [(k + 1) % 3, (k + 2) % 3], 0]
-        uv_of_corner[at_pole, k, 0] = others.mean(axis=1)
-    mesh = Mesh(points[first], corners)
-    return Patches(sheets, mesh, np.concatenate(numbers)[kept], uv_of_corner, deviation_mm)
+    mesh = Mesh(points[first], corners[kept])
+    return Patches(sheets, mesh, np.concatenate(numbers)[kept], uvs[triangles[kept]], deviation_mm)
 
 
 def _placed(sheet, turn, shift):

@@ -4,17 +4,17 @@
 // ray meets is decided in two steps that cannot contradict each other.
 //
 // Topology. How often a ray crosses a curved triangle, entering counted against leaving, is the winding number about
-// the ray of the triangle's boundary seen along it. The boundary is three edges, each a parabola through its ends and a
-// middle on the surface, and both triangles at an edge hold the same numbers. A straight edge adds to the winding
-// number what it adds in a mesh; where the ray passes between an edge's chord and its arc, the loop of the two winds
-// about the ray once more, in the sense in which the edge is run. Both are odd in that sense in floating point too, so
-// over the closed body every line enters as often as it leaves: nothing leaks at seams, vertices, poles or silhouettes,
-// whatever becomes of the second step.
+// the ray of the triangle's boundary seen along it. The boundary is three edges, each four parabolas through points on
+// the surface, and both triangles at an edge hold the same numbers. A chord adds to the winding number what it adds in
+// a mesh; where the ray passes between a chord and its arc, the loop of the two winds about the ray once more, in the
+// sense in which the edge is run. Both change sign with that sense, in floating point too, so over the closed body every
+// line enters as often as it leaves: nothing leaks at seams, vertices, poles or silhouettes, whatever becomes of the
+// second step.
 //
 // Geometry. Newton on the exact sheet, in the triangle's barycentric coordinates, from where the ray meets the flat
 // triangle. It need not stop at the triangle's side: the sheet goes on there, and edges are off it by the fourth order
-// of their length only, so a foot just outside is as exact. A foot of the wrong sense lies beyond the silhouette, and
-// is mirrored at it. Where no foot of the right sense is found nearby, the point of the flat triangle has to do.
+// of their length only, so a foot just outside is as exact. A foot of the wrong sense lies beyond the silhouette,
+// and the one before it is sought. Where no foot of the right sense is found nearby, the point of the flat triangle has to do.
 //
 // Silhouettes. Where the winding number is 0 and the ray can be tangent to the triangle at all (a cone around its
 // normals tells), it may still enter and leave: then Newton finds two feet of opposite sense, or the ray passes by.
@@ -38,22 +38,31 @@
 
 namespace glass {
 
+// Parabolas in turn, each by its end, its middle and the next one's end.
+struct CurvedEdge {
+    static constexpr int pieces = 4;
+    Vector point[2 * pieces + 1];
+};
+
 // What curved_triangles.py knows of a triangle; edge k runs from corner k to the next.
 struct CurvedTriangle {
-    Vector corner[3], middle[3];
+    Vector corner[3];
+    std::int32_t edge[3];
     bool along[3];  // whether the edge is run in the sense in which it is stored
     std::int32_t sheet;
     double u[3], v[3];
+    std::int32_t pole;  // 0: none; 1, 2: corner 0 lies on a collapsed edge, along which u, v runs
     Vector cone_axis;
     double cone_sine;  // the ray can be tangent only if the sine of its angle with the axis' plane is no more
 };
 
 class Patches {
 public:
-    Patches(std::vector<Sheet> sheets, const std::vector<CurvedTriangle>& triangles, const std::vector<Box>& boxes)
-        : sheets_(std::move(sheets)), hierarchy_(boxes) {
+    Patches(std::vector<Sheet> sheets, std::vector<CurvedEdge> edges, const std::vector<CurvedTriangle>& triangles,
+            const std::vector<Box>& boxes)
+        : sheets_(std::move(sheets)), edges_(std::move(edges)), hierarchy_(boxes) {
         triangles_.reserve(triangles.size());
-        for (const std::int32_t number : hierarchy_.order()) triangles_.emplace_back(triangles[number]);
+        for (const std::int32_t number : hierarchy_.order()) triangles_.emplace_back(triangles[number], edges_);
     }
 
     const Box& bounds() const { return hierarchy_.bounds(); }
@@ -82,19 +91,25 @@ public:
 
 private:
     static constexpr double towards_middle = 1e-7;
+    static constexpr double at_pole = 1e-7;  // the same, nearer to a pole than which all is as it is there
     static constexpr int most_steps = 30;
+    static constexpr int most_steps_to_silhouette = 8;
     static constexpr double beyond = 0.6;       // barycentric coordinates that Newton may fall below 0 by
-    static constexpr double on_triangle = 1e-4;  // the same for pairs
+    static constexpr double on_triangle = 1e-3;  // the same for pairs
 
     struct Triangle : CurvedTriangle {
         // Areas seen along a ray, above which it passes an edge farther off than its arc.
         double reach[3];
 
-        explicit Triangle(const CurvedTriangle& triangle) : CurvedTriangle(triangle) {
+        Triangle(const CurvedTriangle& triangle, const std::vector<CurvedEdge>& edges) : CurvedTriangle(triangle) {
             for (int k = 0; k < 3; ++k) {
-                const Vector &p = corner[k], &q = corner[(k + 1) % 3];
-                // A shear stretches lengths by up to sqrt 3.
-                reach[k] = 3.01 * length(q - p) * length(middle[k] - 0.5 * (p + q));
+                const CurvedEdge& e = edges[edge[k]];
+                const Vector& start = e.point[0];
+                const Vector chord = e.point[2 * CurvedEdge::pieces] - start;
+                double off = 0.0;  // twice the triangle of the chord and a point of the arc
+                for (const Vector& point : e.point) off = std::fmax(off, length(cross(chord, point - start)));
+                // A shear stretches areas by up to 3; an arc leaves the hull of its points by less than half.
+                reach[k] = 4.5 * off;
             }
         }
     };
@@ -110,11 +125,31 @@ private:
         int sense = 0;  // 1 where the ray leaves, -1 where it enters
     };
 
+    // The parameters that a triangle's barycentric coordinates stand for. At a pole they are those of a fan: the one
+    // along the collapsed edge is constant on lines through the pole, where it has no value of its own.
+    struct Parameter {
+        double value, by_p, by_q;
+
+        Parameter(const double* corner, bool fan, double p, double q) {
+            if (!fan) {
+                by_p = corner[1] - corner[0];
+                by_q = corner[2] - corner[0];
+                value = corner[0] + p * by_p + q * by_q;
+                return;
+            }
+            const double sum = p + q;
+            const double away = std::fabs(sum) < at_pole ? at_pole : sum;
+            const double share = q / away;
+            value = corner[1] + share * (corner[2] - corner[1]);
+            by_p = (corner[1] - value) / away;
+            by_q = (corner[2] - value) / away;
+        }
+    };
+
     Tangents at(const Triangle& triangle, double p, double q) const {
-        const double u1 = triangle.u[1] - triangle.u[0], u2 = triangle.u[2] - triangle.u[0];
-        const double v1 = triangle.v[1] - triangle.v[0], v2 = triangle.v[2] - triangle.v[0];
-        const SheetPoint s = sheets_[triangle.sheet].at(triangle.u[0] + p * u1 + q * u2, triangle.v[0] + p * v1 + q * v2);
-        return {s.point, u1 * s.by_u + v1 * s.by_v, u2 * s.by_u + v2 * s.by_v};
+        const Parameter u(triangle.u, triangle.pole == 1, p, q), v(triangle.v, triangle.pole == 2, p, q);
+        const SheetPoint s = sheets_[triangle.sheet].at(u.value, v.value);
+        return {s.point, u.by_p * s.by_u + v.by_p * s.by_v, u.by_q * s.by_u + v.by_q * s.by_v};
     }
 
     template <class Visit>
@@ -127,10 +162,11 @@ private:
         for (int k = 0; k < 3; ++k) {
             const Vector &p = corner[k], &q = corner[(k + 1) % 3];
             areas[k] = area(p, q);
-            turns += winding(p, q, areas[k]);
-            if (std::fabs(areas[k]) <= triangle.reach[k]) {
-                const Vector middle = shear.point(triangle.middle[k]);
-                turns += triangle.along[k] ? lens(p, q, middle) : -lens(q, p, middle);
+            if (std::fabs(areas[k]) > triangle.reach[k]) {
+                turns += winding(p, q, areas[k]);
+            } else {
+                const int once = winding_of(shear, edges_[triangle.edge[k]]);
+                turns += triangle.along[k] ? once : -once;
             }
         }
         const bool may_touch = std::fabs(dot(ray.direction, triangle.cone_axis)) <= triangle.cone_sine;
@@ -139,8 +175,9 @@ private:
             const Root here = known(shear, triangle, start.u, start.v);
             if (turns == here.sense) return;
             if (turns == 0) {
-                const Root other = mirrored(shear, triangle, here);
-                if (other.found && other.sense == -here.sense && on(other)) report(number, other, other.sense, visit);
+                const Pair both = pair(shear, triangle, start.u, start.v);
+                const Root& other = both.of_sense(-here.sense);
+                if (both.found && on(other)) report(number, other, other.sense, visit);
                 return;
             }
         }
@@ -148,14 +185,12 @@ private:
             const Root root = crossing(shear, triangle, corner, areas, turns);
             for (int k = 0; k < std::abs(turns); ++k) report(number, root, turns, visit);
         } else if (may_touch) {
-            const Root first = refined(shear, triangle, 1.0 / 3.0, 1.0 / 3.0);
-            if (!first.found || !on(first)) return;
-            const Root second = mirrored(shear, triangle, first);
-            if (!second.found || !on(second) || second.sense != -first.sense) return;
-            const double p = 0.5 * (first.p + second.p), q = 0.5 * (first.q + second.q);
+            const Pair both = pair(shear, triangle, 1.0 / 3.0, 1.0 / 3.0);
+            if (!both.found || !on(both.entering) || !on(both.leaving)) return;
+            const double p = 0.5 * (both.entering.p + both.leaving.p), q = 0.5 * (both.entering.q + both.leaving.q);
             if (!(p >= 0.0 && q >= 0.0 && p + q <= 1.0)) return;
-            report(number, first, first.sense, visit);
-            report(number, second, second.sense, visit);
+            report(number, both.entering, -1, visit);
+            report(number, both.leaving, 1, visit);
         }
     }
 
@@ -166,6 +201,17 @@ private:
 
     static bool on(const Root& root) {
         return root.p >= -on_triangle && root.q >= -on_triangle && root.p + root.q <= 1.0 + on_triangle;
+    }
+
+    static int winding_of(const Shear& shear, const CurvedEdge& edge) {
+        int turns = 0;
+        Vector p = shear.point(edge.point[0]);
+        for (int k = 0; k < CurvedEdge::pieces; ++k) {
+            const Vector middle = shear.point(edge.point[2 * k + 1]), q = shear.point(edge.point[2 * k + 2]);
+            turns += winding(p, q, area(p, q)) + lens(p, q, middle);
+            p = q;
+        }
+        return turns;
     }
 
     // How often the loop from p along the parabola through the middle to q, and straight back, winds about the ray.
@@ -190,9 +236,10 @@ private:
         const Root flat{true, p, q, shear.sz * ((1.0 - p - q) * corner[0].z + p * corner[1].z + q * corner[2].z), sense};
         const double starts[2][2] = {{p, q}, {1.0 / 3.0, 1.0 / 3.0}};
         for (const auto& s : starts) {
-            Root root = refined(shear, triangle, s[0], s[1]);
-            if (root.found && root.sense != sense) root = mirrored(shear, triangle, root);
+            const Root root = refined(shear, triangle, s[0], s[1]);
             if (root.found && root.sense == sense) return root;
+            const Pair both = pair(shear, triangle, root.found ? root.p : s[0], root.found ? root.q : s[1]);
+            if (both.found) return both.of_sense(sense);
         }
         return flat;
     }
@@ -240,26 +287,63 @@ private:
         return {};
     }
 
-    // The foot on the other side of the silhouette: along the direction in which the projection folds, as far beyond
-    // the fold as the known foot is before it.
-    Root mirrored(const Shear& shear, const Triangle& triangle, const Root& root) const {
-        const Projected f = projected(shear, triangle, root.p, root.q);
-        // The direction that the projection shortens most: across the longer row of the matrix.
-        const bool x_row = std::fabs(f.by_p.x) + std::fabs(f.by_q.x) > std::fabs(f.by_p.y) + std::fabs(f.by_q.y);
-        double k_p = x_row ? f.by_q.x : f.by_q.y, k_q = x_row ? -f.by_p.x : -f.by_p.y;
-        const double size = std::fmax(std::fabs(k_p), std::fabs(k_q));
-        if (!(size > 0.0)) return {};
-        k_p /= size;
-        k_q /= size;
+    // Two feet on either side of a silhouette.
+    struct Pair {
+        Root entering, leaving;
+        bool found = false;
+
+        const Root& of_sense(int sense) const { return sense < 0 ? entering : leaving; }
+    };
+
+    // The feet on both sides of the silhouette near (p, q). With e the direction in which the projection of the
+    // surface still spreads there, and k the one in the triangle that it does not spread in, the silhouette's nearest
+    // point is where the determinant and e . F vanish, by Newton. From there the surface bends away from the ray like a
+    // parabola along k: where that meets the ray, if it does, Newton starts for either foot.
+    Pair pair(const Shear& shear, const Triangle& triangle, double p, double q) const {
         constexpr double probe = 1e-4;
-        const double ahead = projected(shear, triangle, root.p + probe * k_p, root.q + probe * k_q).determinant;
-        const double way = -2.0 * probe * f.determinant / (ahead - f.determinant);
-        if (!(std::fabs(way) < 4.0)) return {};
-        const Root other = refined(shear, triangle, root.p + way * k_p, root.q + way * k_q);
-        return other.found && other.sense != root.sense ? other : Root{};
+        for (int i = 0; i < most_steps_to_silhouette; ++i) {
+            const Projected f = projected(shear, triangle, p, q);
+            const bool p_longer = dot_across(f.by_p, f.by_p) > dot_across(f.by_q, f.by_q);
+            const Vector& e = p_longer ? f.by_p : f.by_q;
+            const double spread_p = dot_across(e, f.by_p), spread_q = dot_across(e, f.by_q);
+            const double slope_p = (projected(shear, triangle, p + probe, q).determinant - f.determinant) / probe;
+            const double slope_q = (projected(shear, triangle, p, q + probe).determinant - f.determinant) / probe;
+            const double inverse = -1.0 / (slope_p * spread_q - slope_q * spread_p), off = dot_across(e, f.value);
+            const double d_p = inverse * (f.determinant * spread_q - off * slope_q);
+            const double d_q = inverse * (off * slope_p - f.determinant * spread_p);
+            const double step = std::fmax(std::fabs(d_p), std::fabs(d_q));
+            if (!(step < 2.0)) return {};
+            p += d_p;
+            q += d_q;
+            if (!(p >= -beyond && q >= -beyond && p + q <= 1.0 + beyond)) return {};
+            if (step < 1e-2) return feet(shear, triangle, p, q);
+        }
+        return {};
     }
 
+    Pair feet(const Shear& shear, const Triangle& triangle, double p, double q) const {
+        constexpr double probe = 1e-3;
+        const Projected f = projected(shear, triangle, p, q);
+        const bool p_longer = dot_across(f.by_p, f.by_p) > dot_across(f.by_q, f.by_q);
+        const Vector& e = p_longer ? f.by_p : f.by_q;
+        const double square = dot_across(e, e);
+        const double k_p = p_longer ? -dot_across(e, f.by_q) / square : 1.0;
+        const double k_q = p_longer ? 1.0 : -dot_across(e, f.by_p) / square;
+        const Projected ahead = projected(shear, triangle, p + probe * k_p, q + probe * k_q);
+        const Vector bend = k_p * (ahead.by_p - f.by_p) + k_q * (ahead.by_q - f.by_q);
+        const double way = std::sqrt(-2.0 * probe * area(e, f.value) / area(e, bend));
+        if (!(way < 2.0)) return {};
+        const Root first = refined(shear, triangle, p - way * k_p, q - way * k_q);
+        if (!first.found) return {};
+        const Root second = refined(shear, triangle, p + way * k_p, q + way * k_q);
+        if (!second.found || second.sense == first.sense) return {};
+        return first.sense < 0 ? Pair{first, second, true} : Pair{second, first, true};
+    }
+
+    static double dot_across(const Vector& a, const Vector& b) { return a.x * b.x + a.y * b.y; }
+
     std::vector<Sheet> sheets_;
+    std::vector<CurvedEdge> edges_;
     Hierarchy hierarchy_;
     std::vector<Triangle> triangles_;
 };

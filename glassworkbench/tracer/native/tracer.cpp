@@ -127,8 +127,8 @@ GLASS_EXPORT int32_t glass_add_mesh(glass_scene* scene, const double* vertices, 
 
 GLASS_EXPORT int32_t glass_add_patches(glass_scene* scene, const int32_t* shapes, int64_t sheet_count,
                                        const double* knots, const double* control_points, int64_t triangle_count,
-                                       const int32_t* sheet_of_triangle, const double* corners, const double* uv,
-                                       const double* middles, const int32_t* along, const double* low,
+                                       const int32_t* sheet_of_triangle, const double* corners, const double* uv, const int32_t* pole,
+                                       int64_t edge_count, const double* edges, const int32_t* edge, const int32_t* along, const double* low,
                                        const double* high, const double* cone_axis, const double* cone_sine) {
     return guarded([&] {
         std::vector<glass::Sheet> sheets;
@@ -140,24 +140,31 @@ GLASS_EXPORT int32_t glass_add_patches(glass_scene* scene, const int32_t* shapes
             knots = end;
             control_points += 4 * int64_t{shapes[2]} * shapes[3] * (shapes[0] + 1) * (shapes[1] + 1);
         }
+        std::vector<glass::CurvedEdge> curves(static_cast<std::size_t>(edge_count));
+        for (glass::CurvedEdge& curve : curves)
+            for (Vector& point : curve.point) {
+                point = vector(edges);
+                edges += 3;
+            }
         std::vector<glass::CurvedTriangle> triangles(static_cast<std::size_t>(triangle_count));
         std::vector<glass::Box> boxes(triangles.size());
         for (std::size_t i = 0; i < triangles.size(); ++i) {
             glass::CurvedTriangle& triangle = triangles[i];
             for (int k = 0; k < 3; ++k) {
                 triangle.corner[k] = vector(corners + 9 * i + 3 * k);
-                triangle.middle[k] = vector(middles + 9 * i + 3 * k);
+                triangle.edge[k] = edge[3 * i + k];
                 triangle.along[k] = along[3 * i + k] != 0;
                 triangle.u[k] = uv[6 * i + 2 * k];
                 triangle.v[k] = uv[6 * i + 2 * k + 1];
             }
             triangle.sheet = sheet_of_triangle[i];
+            triangle.pole = pole[i];
             triangle.cone_axis = vector(cone_axis + 3 * i);
             triangle.cone_sine = cone_sine[i];
             boxes[i].include(vector(low + 3 * i));
             boxes[i].include(vector(high + 3 * i));
         }
-        return add(scene, glass::Patches(std::move(sheets), triangles, boxes));
+        return add(scene, glass::Patches(std::move(sheets), std::move(curves), triangles, boxes));
     });
 }
 

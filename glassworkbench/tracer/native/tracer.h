@@ -50,8 +50,9 @@ int32_t glass_add_mesh(glass_scene* scene, const double* vertices, const double*
    sheets, the knots (u before v) and the homogeneous control points. Triangles: the tables of curved_triangles.py. */
 int32_t glass_add_patches(glass_scene* scene, const int32_t* shapes, int64_t sheet_count, const double* knots,
                           const double* control_points, int64_t triangle_count, const int32_t* sheet_of_triangle,
-                          const double* corners /* m x 3 x 3 */, const double* uv /* m x 3 x 2 */,
-                          const double* middles /* m x 3 x 3 */, const int32_t* along /* m x 3 */,
+                          const double* corners /* m x 3 x 3 */, const double* uv /* m x 3 x 2 */, const int32_t* pole,
+                          int64_t edge_count, const double* edges /* e x 9 x 3 */, const int32_t* edge /* m x 3 */,
+                          const int32_t* along /* m x 3 */,
                           const double* low /* m x 3 */, const double* high /* m x 3 */,
                           const double* cone_axis /* m x 3 */, const double* cone_sine /* m */);
 int32_t glass_add_ellipsoid(glass_scene* scene, const double* centre, const double* semi_axes,
