@@ -94,6 +94,7 @@ private:
     static constexpr double at_pole = 1e-7;  // the same, nearer to a pole than which all is as it is there
     static constexpr int most_steps = 30;
     static constexpr int most_steps_to_silhouette = 8;
+    static constexpr double starts[7][2] = {{2, 2}, {4, 1}, {1, 4}, {1, 1}, {3, 3}, {3, 0}, {0, 3}};  // in sixths
     static constexpr double beyond = 0.6;       // barycentric coordinates that Newton may fall below 0 by
     static constexpr double on_triangle = 1e-3;  // the same for pairs
 
@@ -108,8 +109,8 @@ private:
                 const Vector chord = e.point[2 * CurvedEdge::pieces] - start;
                 double off = 0.0;  // twice the triangle of the chord and a point of the arc
                 for (const Vector& point : e.point) off = std::fmax(off, length(cross(chord, point - start)));
-                // A shear stretches areas by up to 3; an arc leaves the hull of its points by less than half.
-                reach[k] = 4.5 * off;
+                // An arc leaves the hull of its points by less than half.
+                reach[k] = 1.5 * off;
             }
         }
     };
@@ -157,12 +158,14 @@ private:
         const Triangle& triangle = triangles_[number];
         Vector corner[3];
         for (int k = 0; k < 3; ++k) corner[k] = shear.point(triangle.corner[k]);
+        const double stretch = std::fabs(shear.sz);
         double areas[3];
         int turns = 0;
         for (int k = 0; k < 3; ++k) {
             const Vector &p = corner[k], &q = corner[(k + 1) % 3];
             areas[k] = area(p, q);
-            if (std::fabs(areas[k]) > triangle.reach[k]) {
+            // Seen along the ray, areas grow by what the shear stretches.
+            if (std::fabs(areas[k]) > stretch * triangle.reach[k]) {
                 turns += winding(p, q, areas[k]);
             } else {
                 const int once = winding_of(shear, edges_[triangle.edge[k]]);
@@ -199,9 +202,10 @@ private:
         visit(Hit{root.t, turns < 0, number, root.p, root.q});
     }
 
-    static bool on(const Root& root) {
-        return root.p >= -on_triangle && root.q >= -on_triangle && root.p + root.q <= 1.0 + on_triangle;
+    static double outside(const Root& root) {
+        return std::fmax(std::fmax(-root.p, -root.q), std::fmax(root.p + root.q - 1.0, 0.0));
     }
+    static bool on(const Root& root) { return outside(root) <= on_triangle; }
 
     static int winding_of(const Shear& shear, const CurvedEdge& edge) {
         int turns = 0;
@@ -234,14 +238,24 @@ private:
         if (!(p >= -beyond && q >= -beyond && p + q <= 1.0 + beyond)) p = q = 1.0 / 3.0;
         const int sense = turns < 0 ? -1 : 1;
         const Root flat{true, p, q, shear.sz * ((1.0 - p - q) * corner[0].z + p * corner[1].z + q * corner[2].z), sense};
-        const double starts[2][2] = {{p, q}, {1.0 / 3.0, 1.0 / 3.0}};
-        for (const auto& s : starts) {
-            const Root root = refined(shear, triangle, s[0], s[1]);
-            if (root.found && root.sense == sense) return root;
-            const Pair both = pair(shear, triangle, root.found ? root.p : s[0], root.found ? root.q : s[1]);
-            if (both.found) return both.of_sense(sense);
-        }
-        return flat;
+        // Other feet may lie nearby, on the sheet beyond the triangle: the one that is least outside is meant.
+        Root best = flat;
+        double least = INFINITY;
+        const auto settles = [&](const Root& root) {
+            if (!root.found || root.sense != sense) return false;
+            if (outside(root) < least) {
+                least = outside(root);
+                best = root;
+            }
+            return least <= on_triangle;
+        };
+        const Root root = refined(shear, triangle, p, q);
+        if (settles(root)) return best;
+        const Pair both = pair(shear, triangle, root.found ? root.p : p, root.found ? root.q : q);
+        if (both.found && settles(both.of_sense(sense))) return best;
+        for (const auto& start : starts)
+            if (settles(refined(shear, triangle, start[0] / 6.0, start[1] / 6.0))) break;
+        return best;
     }
 
     struct Projected {
