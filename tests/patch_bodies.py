@@ -44,9 +44,9 @@ def turned_patches(meridian, around=8, along=4, **placement):
 
 
 def pebble_patches(around=20, along=10, seed=4):
-    """A closed free-form rational bicubic: six patches around, smooth over their joints, drawn together at two poles."""
+    """A closed free-form rational bicubic: six patches around, smooth over their joints and at two poles."""
     rng = np.random.default_rng(seed)
-    heights = np.array([-12.0, -13.0, 9.0, 12.0])
+    heights = np.array([-12.0, -12.0, 12.0, 12.0])
     angles = np.arange(6) * np.pi / 3.0
     net = np.empty((6, 4, 4))
     for row, height in enumerate(heights):
@@ -54,7 +54,7 @@ def pebble_patches(around=20, along=10, seed=4):
         radius = spread * rng.uniform(20.0, 32.0, 6)
         net[:, row, 0] = radius * np.cos(angles) + 1.0
         net[:, row, 1] = radius * np.sin(angles) - 2.0
-        net[:, row, 2] = height + spread * rng.uniform(-2.0, 2.0, 6)
+        net[:, row, 2] = height
         net[:, row, 3] = rng.uniform(0.7, 1.4, 6)
     net[:, :, :3] *= net[:, :, 3:]
     q0, q1, q2, q3 = (np.roll(net, -k, axis=0) for k in range(4))

@@ -18,7 +18,10 @@ BEYOND = 0.6
 """Barycentric coordinates that a foot may lie outside its triangle by."""
 
 ON_TRIANGLE = 1e-3
-"""The same for the feet of a pair."""
+"""The same where a foot is on its triangle, but for the edges' error."""
+
+OFF_TRIANGLE = 0.1
+"""The same for the other foot of a pair."""
 
 STARTS = np.array([(2, 2), (4, 1), (1, 4), (1, 1), (3, 3), (3, 0), (0, 3)]) / 6.0
 """Barycentric coordinates from which feet are sought."""
@@ -195,15 +198,16 @@ def _lens(p: np.ndarray, q: np.ndarray, middle: np.ndarray) -> np.ndarray:
 
 
 def _pairs(feet: Feet, turns: np.ndarray) -> Feet:
-    """Return the feet of lines that enter and leave one triangle: pairs whose middle lies on it."""
-    on = (feet.share.min(axis=1) >= -ON_TRIANGLE) & (feet.share.sum(axis=1) <= 1.0 + ON_TRIANGLE)
-    feet = feet.take((turns[feet.row] == 0) & on)
-    feet = feet.take(np.lexsort((feet.distance, feet.sense, feet.row)))
-    first = np.append(True, (np.diff(feet.row) != 0) | (np.diff(feet.sense) != 0)) if len(feet.row) else feet.row > 0
-    feet = feet.take(first)
-    entering = np.flatnonzero((feet.sense[:-1] < 0) & (feet.sense[1:] > 0) & (feet.row[:-1] == feet.row[1:]))
-    middle = 0.5 * (feet.share[entering] + feet.share[entering + 1])
-    entering = entering[(middle.min(axis=1) >= 0.0) & (middle.sum(axis=1) <= 1.0)]
+    """Return the feet of lines that enter and leave one triangle: pairs of which one foot lies on it for sure."""
+    outside = np.maximum(np.maximum(-feet.share.min(axis=1), feet.share.sum(axis=1) - 1.0), 0.0)
+    near = (turns[feet.row] == 0) & (outside <= OFF_TRIANGLE)
+    feet, outside = feet.take(near), outside[near]
+    order = np.lexsort((outside, feet.sense, feet.row))
+    feet, outside = feet.take(order), outside[order]
+    first = (np.diff(feet.row, prepend=-1) != 0) | (np.diff(feet.sense, prepend=0) != 0)
+    feet, outside = feet.take(first), outside[first]
+    both = (feet.sense[:-1] < 0) & (feet.sense[1:] > 0) & (feet.row[:-1] == feet.row[1:])
+    entering = np.flatnonzero(both & (np.minimum(outside[:-1], outside[1:]) <= ON_TRIANGLE))
     return feet.take(np.concatenate([entering, entering + 1]))
 
 

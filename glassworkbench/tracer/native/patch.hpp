@@ -18,7 +18,7 @@
 //
 // Silhouettes. Where the winding number is 0 and the ray can be tangent to the triangle at all (a cone around its
 // normals tells), it may still enter and leave: then Newton finds two feet of opposite sense, or the ray passes by.
-// Only pairs are reported, so they do not touch the count. A pair belongs to the triangle that its middle is in.
+// Only pairs are reported, so they do not touch the count, and a pair that two triangles claim does no harm.
 //
 // Order. Crossings are compared by their exact distances; boxes hold the curved triangles, not the flat ones. The
 // crossing that a ray starts at is known by its triangle, place and sense: a triangle that the ray cannot be tangent to
@@ -96,7 +96,8 @@ private:
     static constexpr int most_steps_to_silhouette = 8;
     static constexpr double starts[7][2] = {{2, 2}, {4, 1}, {1, 4}, {1, 1}, {3, 3}, {3, 0}, {0, 3}};  // in sixths
     static constexpr double beyond = 0.6;       // barycentric coordinates that Newton may fall below 0 by
-    static constexpr double on_triangle = 1e-3;  // the same for pairs
+    static constexpr double on_triangle = 1e-3;  // the same where a foot is on the triangle, but for the edges' error
+    static constexpr double off_triangle = 0.1;  // the same for the other foot of a pair
 
     struct Triangle : CurvedTriangle {
         // Areas seen along a ray, above which it passes an edge farther off than its arc.
@@ -180,7 +181,7 @@ private:
             if (turns == 0) {
                 const Pair both = pair(shear, triangle, start.u, start.v);
                 const Root& other = both.of_sense(-here.sense);
-                if (both.found && on(other)) report(number, other, other.sense, visit);
+                if (both.found && outside(other) <= off_triangle) report(number, other, other.sense, visit);
                 return;
             }
         }
@@ -189,9 +190,10 @@ private:
             for (int k = 0; k < std::abs(turns); ++k) report(number, root, turns, visit);
         } else if (may_touch) {
             const Pair both = pair(shear, triangle, 1.0 / 3.0, 1.0 / 3.0);
-            if (!both.found || !on(both.entering) || !on(both.leaving)) return;
-            const double p = 0.5 * (both.entering.p + both.leaving.p), q = 0.5 * (both.entering.q + both.leaving.q);
-            if (!(p >= 0.0 && q >= 0.0 && p + q <= 1.0)) return;
+            if (!both.found) return;
+            const double off_entering = outside(both.entering), off_leaving = outside(both.leaving);
+            if (std::fmin(off_entering, off_leaving) > on_triangle) return;
+            if (std::fmax(off_entering, off_leaving) > off_triangle) return;
             report(number, both.entering, -1, visit);
             report(number, both.leaving, 1, visit);
         }
@@ -205,7 +207,6 @@ private:
     static double outside(const Root& root) {
         return std::fmax(std::fmax(-root.p, -root.q), std::fmax(root.p + root.q - 1.0, 0.0));
     }
-    static bool on(const Root& root) { return outside(root) <= on_triangle; }
 
     static int winding_of(const Shear& shear, const CurvedEdge& edge) {
         int turns = 0;
