@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 
@@ -68,9 +69,10 @@ class Sheet:
         along_u, slope_u = _bernstein(degree_u, u)
         along_v, slope_v = _bernstein(degree_v, v)
         points = self.control_points[i, j]
-        value = np.einsum("ka,kb,kabc->kc", along_u, along_v, points)
-        by_u = np.einsum("ka,kb,kabc->kc", slope_u, along_v, points) / u_width[:, None]
-        by_v = np.einsum("ka,kb,kabc->kc", along_u, slope_v, points) / v_width[:, None]
+        row = np.einsum("kb,kabc->kac", along_v, points)
+        value = np.einsum("ka,kac->kc", along_u, row)
+        by_u = np.einsum("ka,kac->kc", slope_u, row) / u_width[:, None]
+        by_v = np.einsum("ka,kac->kc", along_u, np.einsum("kb,kabc->kac", slope_v, points)) / v_width[:, None]
         weight = value[:, 3:]
         point = value[:, :3] / weight
         return point, (by_u[:, :3] - point * by_u[:, 3:]) / weight, (by_v[:, :3] - point * by_v[:, 3:]) / weight
@@ -85,16 +87,16 @@ def _cell(knots: np.ndarray, parameter: np.ndarray) -> tuple[np.ndarray, np.ndar
 
 def _bernstein(degree: int, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the Bernstein polynomials (k, degree + 1) at t (k,), and their derivatives."""
-    lower = np.ones((len(t), 1))
+    lower = [np.ones_like(t)]
     for _ in range(degree - 1):
         lower = _raised(lower, t)
-    slope = degree * (np.pad(lower, ((0, 0), (1, 0))) - np.pad(lower, ((0, 0), (0, 1))))
-    return _raised(lower, t), slope
+    slope = [-lower[0], *(a - b for a, b in pairwise(lower)), lower[-1]]
+    return np.stack(_raised(lower, t), axis=1), degree * np.stack(slope, axis=1)
 
 
-def _raised(values: np.ndarray, t: np.ndarray) -> np.ndarray:
-    t = t[:, None]
-    return np.pad(values * (1.0 - t), ((0, 0), (0, 1))) + np.pad(values * t, ((0, 0), (1, 0)))
+def _raised(values: list[np.ndarray], t: np.ndarray) -> list[np.ndarray]:
+    s = 1.0 - t
+    return [s * values[0], *(t * a + s * b for a, b in pairwise(values)), t * values[-1]]
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,7 @@ silhouette.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -23,7 +23,7 @@ ON_TRIANGLE = 1e-3
 OFF_TRIANGLE = 0.1
 """The same for the other foot of a pair."""
 
-STARTS = np.array([(2, 2), (4, 1), (1, 4), (1, 1), (3, 3), (3, 0), (0, 3)]) / 6.0
+STARTS = np.array([(2, 2), (4, 1), (1, 4), (1, 1)]) / 6.0
 """Barycentric coordinates from which feet are sought."""
 
 MOST_STEPS = 30
@@ -42,6 +42,10 @@ class Feet:
 
     def take(self, chosen: np.ndarray) -> Feet:
         return Feet(self.row[chosen], self.share[chosen], self.distance[chosen], self.sense[chosen])
+
+
+def _joined(first: Feet, second: Feet) -> Feet:
+    return Feet(*(np.concatenate([getattr(first, f.name), getattr(second, f.name)]) for f in fields(Feet)))
 
 
 class PatchesCrosser:
@@ -68,17 +72,26 @@ class PatchesCrosser:
         slant = np.abs(_dot(directions[line], table.cone_axis[triangle]))
         kept = (turns != 0) | (slant <= table.cone_sine[triangle])
         line, triangle, turns = line[kept], triangle[kept], turns[kept]
-        feet = self._feet(origins[line], directions[line], triangle)
+        rays = origins[line], directions[line]
+        every = np.arange(len(line))
+        feet = self._feet(*rays, triangle, np.repeat(every, len(STARTS)), np.tile(STARTS, (len(line), 1)))
+        # Where only one foot of a pair was found, Newton is kept from finding it again.
+        alone = feet.take(np.unique(feet.row, return_index=True)[1])
+        entered, left = (np.isin(alone.row, feet.row[feet.sense == sense]) for sense in (-1, 1))
+        wanted = turns[alone.row]
+        alone = alone.take((entered != left) & ((wanted == 0) | np.where(wanted < 0, ~entered, ~left)))
+        row, share = np.repeat(alone.row, len(STARTS)), np.tile(STARTS, (len(alone.row), 1))
+        others = self._feet(*rays, triangle, row, share, np.repeat(alone.share, len(STARTS), axis=0))
+        feet = _joined(feet, others)
 
         single = np.flatnonzero(turns)
         chosen = self._of_sense(feet, turns, single, frame, line, triangle)
         pairs = _pairs(feet, turns)
-        row = np.concatenate([chosen.row, pairs.row])
-        share, distance = np.concatenate([chosen.share, pairs.share]), np.concatenate([chosen.distance, pairs.distance])
+        both = _joined(chosen, pairs)
         sense = np.concatenate([turns[chosen.row], pairs.sense])
-        normal = self._normals(triangle[row], share)
-        times = np.maximum(np.abs(sense), 1)
-        line, distance, sense, normal = (np.repeat(a, times, axis=0) for a in (line[row], distance, sense, normal))
+        normal = self._normals(triangle[both.row], both.share)
+        found = line[both.row], both.distance, sense, normal
+        line, distance, sense, normal = (np.repeat(column, np.abs(sense), axis=0) for column in found)
         return line, distance, sense < 0, normal
 
     def _winding_numbers(self, frame: _Frames, line: np.ndarray, triangle: np.ndarray) -> np.ndarray:
@@ -92,10 +105,20 @@ class PatchesCrosser:
             turns += np.where(table.along[triangle, side], once, -once)
         return turns
 
-    def _feet(self, origins: np.ndarray, directions: np.ndarray, triangle: np.ndarray) -> Feet:
-        """Return all feet that Newton finds from `STARTS`, many of them more than once."""
-        row = np.repeat(np.arange(len(triangle)), len(STARTS))
-        share = np.tile(STARTS, (len(triangle), 1))
+    def _feet(
+        self,
+        origins: np.ndarray,
+        directions: np.ndarray,
+        triangle: np.ndarray,
+        row: np.ndarray,
+        share: np.ndarray,
+        but: np.ndarray | None = None,
+    ) -> Feet:
+        """Return the feet that Newton finds for lines `row` from barycentric coordinates `share`.
+
+        With `but`, feet there are divided out of the equations (deflation: Brown and Gearhart, "Deflation techniques
+        for the calculation of further solutions of a nonlinear system", Numerische Mathematik 16, 1971).
+        """
         done = Feet(row[:0], share[:0], np.zeros(0), row[:0])
         for _ in range(MOST_STEPS):
             point, by_p, by_q = self._evaluate(triangle[row], share)
@@ -106,6 +129,11 @@ class PatchesCrosser:
                 step_p = _dot(np.cross(gap, by_q), direction) / volume
                 step_q = _dot(np.cross(by_p, gap), direction) / volume
             step = np.column_stack([step_p, step_q])
+            if but is not None:
+                away = share - but
+                square = _dot(away, away)
+                with np.errstate(divide="ignore", invalid="ignore"):
+                    step = step / (1.0 + 2.0 * _dot(away, step) / (square * (1.0 + square)))[:, None]
             size = np.abs(step).max(axis=1)
             finite = np.isfinite(size)
             limited = step * np.minimum(1.0, 0.5 / np.where(size > 0.0, size, 1.0))[:, None]
@@ -115,8 +143,9 @@ class PatchesCrosser:
             last = near & (size < STEP)
             sense = np.where(volume < 0.0, -1, 1)
             found = Feet(row[last], share[last], distance[last], sense[last])
-            done = Feet(*(np.concatenate(pair) for pair in zip(vars(done).values(), vars(found).values(), strict=True)))
+            done = _joined(done, found)
             row, share = row[near & ~last], share[near & ~last]
+            but = but if but is None else but[near & ~last]
             if len(row) == 0:
                 break
         return done
@@ -143,7 +172,7 @@ class PatchesCrosser:
         weights = np.column_stack([1.0 - share.sum(axis=1), share])
         distance = _dot(weights, corners[..., 2]) / frame.along[line[lost]]
         flat = Feet(lost, share, distance, np.sign(turns[lost]))
-        return Feet(*(np.concatenate(pair) for pair in zip(vars(right).values(), vars(flat).values(), strict=True)))
+        return _joined(right, flat)
 
     def _normals(self, triangle: np.ndarray, share: np.ndarray) -> np.ndarray:
         _, by_p, by_q = self._evaluate(triangle, share)
