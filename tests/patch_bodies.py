@@ -32,15 +32,15 @@ def turned_sheets(meridian):
     return sheets
 
 
-def ball_patches(radius, pieces=8, **placement):
+def ball_patches(radius, pieces=8):
     """A sphere as eight rational biquadratic octants."""
     meridian = [quarter_arc((0.0, 0.0), radius, start) for start in (-90.0, 0.0)]
-    return tessellated(turned_sheets(meridian), pieces, pieces, **placement)
+    return tessellated(turned_sheets(meridian), pieces, pieces)
 
 
-def turned_patches(meridian, around=8, along=4, **placement):
+def turned_patches(meridian, around=8, along=4):
     """The body of revolution of a meridian in the form that `Revolved` takes."""
-    return tessellated(turned_sheets(meridian), around, along, **placement)
+    return tessellated(turned_sheets(meridian), around, along)
 
 
 def pebble_patches(around=20, along=10, seed=4):
@@ -64,10 +64,8 @@ def pebble_patches(around=20, along=10, seed=4):
     return tessellated([sheet], around, along)
 
 
-def tessellated(sheets, around, along, turn=None, shift=(0.0, 0.0, 0.0), deviation_mm=1e-4):
+def tessellated(sheets, around, along):
     """Patches whose mesh has around x along cells of two triangles on each sheet, in the sheets' parameters."""
-    turn = np.eye(3) if turn is None else np.asarray(turn)
-    sheets = [_placed(sheet, turn, np.asarray(shift, dtype=float)) for sheet in sheets]
     points, uvs, triangles, numbers, count = [], [], [], [], 0
     for number, sheet in enumerate(sheets):
         u = np.linspace(sheet.u_knots[0], sheet.u_knots[-1], around + 1)
@@ -86,10 +84,5 @@ def tessellated(sheets, around, along, turn=None, shift=(0.0, 0.0, 0.0), deviati
     corners = place.reshape(-1)[triangles]
     kept = np.all(corners != np.roll(corners, 1, axis=1), axis=1)
     mesh = Mesh(points[first], corners[kept])
-    return Patches(sheets, mesh, np.concatenate(numbers)[kept], uvs[triangles[kept]], deviation_mm)
+    return Patches(sheets, mesh, np.concatenate(numbers)[kept], uvs[triangles[kept]])
 
-
-def _placed(sheet, turn, shift):
-    points = np.array(sheet.control_points)
-    points[..., :3] = points[..., :3] @ turn.T + shift * points[..., 3:]
-    return Sheet(points, sheet.u_knots, sheet.v_knots)

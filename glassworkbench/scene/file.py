@@ -194,7 +194,7 @@ def _placed(surface: Surface, table: Mapping) -> Surface:
         return Revolved(surface.meridian, position + turn @ surface.base_mm, turn @ surface.axis)
     if isinstance(surface, Ellipsoid):
         return Ellipsoid(position + turn @ surface.centre_mm, surface.semi_axes_mm, turn @ surface.rotation)
-    return Mesh(position + surface.vertices_mm @ turn.T, surface.triangles, surface.normals @ turn.T)
+    return surface.placed(turn, position)
 
 
 def _rotation(axis: np.ndarray, angle_rad: float) -> np.ndarray:

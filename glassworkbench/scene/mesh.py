@@ -49,6 +49,10 @@ class Mesh:
         object.__setattr__(self, "triangles", triangles)
         object.__setattr__(self, "normals", normals)
 
+    def placed(self, turn: np.ndarray, shift_mm: np.ndarray) -> Mesh:
+        """Return the mesh turned by a rotation (3, 3) about the origin, then moved."""
+        return Mesh(shift_mm + self.vertices_mm @ turn.T, self.triangles, self.normals @ turn.T)
+
 
 def _check_closed(vertices: np.ndarray, triangles: np.ndarray) -> None:
     # A vertex may be stored once per face it bounds (its normals differ there), so edges are matched by position.

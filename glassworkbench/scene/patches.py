@@ -61,6 +61,12 @@ class Sheet:
         """Degrees of the patches in u and v."""
         return self.control_points.shape[2] - 1, self.control_points.shape[3] - 1
 
+    def placed(self, turn: np.ndarray, shift_mm: np.ndarray) -> Sheet:
+        """Return the sheet turned by a rotation (3, 3) about the origin, then moved."""
+        points = np.array(self.control_points)
+        points[..., :3] = points[..., :3] @ turn.T + shift_mm * points[..., 3:]
+        return Sheet(points, self.u_knots, self.v_knots)
+
     def evaluate(self, uv: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return points (k, 3) in mm at parameters (k, 2), and their derivatives by u and v (k, 3)."""
         i, u, u_width = _cell(self.u_knots, uv[:, 0])
@@ -152,12 +158,18 @@ class Patches:
                 f"more than {self.deviation_mm:g} mm; its parameters belong to another place or sheet"
             )
 
+    def placed(self, turn: np.ndarray, shift_mm: np.ndarray) -> Patches:
+        """Return the body turned by a rotation (3, 3) about the origin, then moved."""
+        sheets = [sheet.placed(turn, shift_mm) for sheet in self.sheets]
+        mesh = self.mesh.placed(turn, shift_mm)
+        return Patches(sheets, mesh, self.sheet_of_triangle, self.uv_of_corner, self.deviation_mm)
+
     def evaluate(self, sheet: np.ndarray, uv: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return points (k, 3) in mm on sheets (k,) at parameters (k, 2), and their derivatives by u and v."""
         answer = np.empty((3, len(sheet), 3))
         order = np.argsort(sheet, kind="stable")
         starts = np.flatnonzero(np.diff(sheet[order], prepend=-1))
         for rows in np.split(order, starts[1:]):
-            if len(rows):
+            if len(rows) > 0:
                 answer[:, rows] = self.sheets[sheet[rows[0]]].evaluate(uv[rows])
         return answer[0], answer[1], answer[2]
