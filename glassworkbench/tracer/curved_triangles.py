@@ -116,11 +116,14 @@ def evaluate(
         Barycentric coordinates of corners 1 and 2.
     """
     uv, pole = uv[row], pole[row]
+    # A pole itself lies on the tangent plane from just inside.
+    at_pole = (pole > 0) & (np.abs(share.sum(axis=1)) < AT_POLE)
+    rest = np.where(at_pole[:, None], share - AT_POLE, 0.0)
+    share = share - rest
     edges = uv[:, 1:] - uv[:, :1]
     value = uv[:, 0] + np.einsum("kb,kbc->kc", share, edges)
     # At a pole the parameter along the collapsed edge is constant on lines through the pole, like an angle.
     away = share.sum(axis=1)
-    away = np.where(np.abs(away) < AT_POLE, AT_POLE, away)
     for free in (0, 1):
         fan = pole == free + 1
         turned = uv[fan, 1, free] + share[fan, 1] / away[fan] * (uv[fan, 2, free] - uv[fan, 1, free])
@@ -128,7 +131,7 @@ def evaluate(
         edges[fan, :, free] = (uv[fan, 1:, free] - turned[:, None]) / away[fan, None]
     point, by_u, by_v = patches.evaluate(sheet[row], value)
     by_p, by_q = (edges[:, k, :1] * by_u + edges[:, k, 1:] * by_v for k in (0, 1))
-    return point, by_p, by_q
+    return point + rest[:, :1] * by_p + rest[:, 1:] * by_q, by_p, by_q
 
 
 def _poles_first(patches: Patches) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -136,9 +136,10 @@ class PatchesCrosser:
                     step = step / (1.0 + 2.0 * _dot(away, step) / (square * (1.0 + square)))[:, None]
             size = np.abs(step).max(axis=1)
             finite = np.isfinite(size)
-            limited = step * np.minimum(1.0, 0.5 / np.where(size > 0.0, size, 1.0))[:, None]
+            step = np.where(finite[:, None], step, 0.0)
+            limited = step * np.minimum(1.0, 0.5 / np.maximum(np.abs(step).max(axis=1), 0.5))[:, None]
             distance = _dot(limited[:, :1] * by_p + limited[:, 1:] * by_q - gap, direction)
-            share = share + np.where(finite[:, None], limited, 0.0)
+            share = share + limited
             near = finite & np.all(share >= -BEYOND, axis=1) & (share.sum(axis=1) <= 1.0 + BEYOND)
             last = near & (size < STEP)
             sense = np.where(volume < 0.0, -1, 1)

@@ -91,7 +91,7 @@ public:
 
 private:
     static constexpr double towards_middle = 1e-7;
-    static constexpr double at_pole = 1e-7;  // the same, nearer to a pole than which all is as it is there
+    static constexpr double at_pole = 1e-7;  // sum of the coordinates, below which all is as at the pole
     static constexpr int most_steps = 30;
     static constexpr int most_steps_to_silhouette = 8;
     static constexpr double starts[7][2] = {{2, 2}, {4, 1}, {1, 4}, {1, 1}, {3, 3}, {3, 0}, {0, 3}};  // in sixths
@@ -139,16 +139,22 @@ private:
                 value = corner[0] + p * by_p + q * by_q;
                 return;
             }
-            const double sum = p + q;
-            const double away = std::fabs(sum) < at_pole ? at_pole : sum;
-            const double share = q / away;
-            value = corner[1] + share * (corner[2] - corner[1]);
+            const double away = p + q;
+            value = corner[1] + q / away * (corner[2] - corner[1]);
             by_p = (corner[1] - value) / away;
             by_q = (corner[2] - value) / away;
         }
     };
 
     Tangents at(const Triangle& triangle, double p, double q) const {
+        if (triangle.pole == 0 || std::fabs(p + q) >= at_pole) return regular(triangle, p, q);
+        // The pole itself, on the tangent plane from just inside.
+        Tangents s = regular(triangle, at_pole, at_pole);
+        s.point = s.point + (p - at_pole) * s.by_p + (q - at_pole) * s.by_q;
+        return s;
+    }
+
+    Tangents regular(const Triangle& triangle, double p, double q) const {
         const Parameter u(triangle.u, triangle.pole == 1, p, q), v(triangle.v, triangle.pole == 2, p, q);
         const SheetPoint s = sheets_[triangle.sheet].at(u.value, v.value);
         return {s.point, u.by_p * s.by_u + v.by_p * s.by_v, u.by_q * s.by_u + v.by_q * s.by_v};
