@@ -61,9 +61,9 @@ def test_patches_are_met_where_the_same_body_in_closed_form_is(name):
     error = np.abs(mine.depth_mm[met] - nearest[met])
     assert np.median(error) < 1e-12
     assert np.mean(error < 1e-9) > 0.9999
-    # The native core turns meridians inexactly for nearly horizontal rays.
-    steep = np.abs(directions[:, 2]) > 1e-2
-    difference = np.abs(mine.radiance - truth.radiance).max(axis=1)[steep]
+    # The native core crosses meridians inexactly with nearly horizontal rays, and the sky has no azimuth overhead.
+    fair = (np.abs(directions[:, 2]) > 1e-2) & (np.abs(directions[:, 2]) < 0.99)
+    difference = np.abs(mine.radiance - truth.radiance).max(axis=1)[fair]
     assert np.median(difference) < 1e-12
     assert np.mean(difference < 1e-6) > 0.999
 
