@@ -181,15 +181,8 @@ private:
         }
         const bool may_touch = std::fabs(dot(ray.direction, triangle.cone_axis)) <= triangle.cone_sine;
         if (number == start.part) {
-            if (!may_touch) return;
-            const Root here = known(shear, triangle, start.u, start.v);
-            if (turns == here.sense) return;
-            if (turns == 0) {
-                const Pair both = pair(shear, triangle, start.u, start.v);
-                const Root& other = both.of_sense(-here.sense);
-                if (both.found && outside(other) <= off_triangle) report(number, other, other.sense, visit);
-                return;
-            }
+            if (may_touch) test_again(shear, triangle, number, start, turns, visit);
+            return;
         }
         if (turns != 0) {
             const Root root = crossing(shear, triangle, corner, areas, turns);
@@ -203,6 +196,28 @@ private:
             report(number, both.entering, -1, visit);
             report(number, both.leaving, 1, visit);
         }
+    }
+
+    // The crossings besides the one that the ray starts at, until they add up to the winding number.
+    template <class Visit>
+    void test_again(const Shear& shear, const Triangle& triangle, std::int32_t number, const Hit& start, int turns,
+                    Visit&& visit) const {
+        constexpr int most_feet = 4;
+        Root feet[most_feet] = {known(shear, triangle, start.u, start.v)};
+        int count = 1, sum = feet[0].sense;
+        const auto settles = [&](const Root& root) {
+            if (root.found && outside(root) <= off_triangle) {
+                report(number, root, root.sense, visit);
+                feet[count++] = root;
+                sum += root.sense;
+            }
+            return sum == turns || count == most_feet;
+        };
+        if (sum == turns) return;
+        const Pair both = pair(shear, triangle, start.u, start.v);
+        if (both.found && settles(both.of_sense(-sum))) return;
+        for (const auto& from : starts)
+            if (settles(refined(shear, triangle, from[0] / 6.0, from[1] / 6.0, feet, count))) return;
     }
 
     template <class Visit>
@@ -281,13 +296,22 @@ private:
         return {true, p, q, shear.sz * f.value.z, f.determinant < 0.0 ? -1 : 1};
     }
 
-    // Newton from (p, q) to a foot of the ray on the sheet, in or near the triangle.
-    Root refined(const Shear& shear, const Triangle& triangle, double p, double q) const {
+    // Newton from (p, q) to a foot of the ray on the sheet, in or near the triangle. Feet known already are divided out
+    // of the equations (deflation: Brown and Gearhart, Numerische Mathematik 16, 1971).
+    Root refined(const Shear& shear, const Triangle& triangle, double p, double q, const Root* feet = nullptr,
+                 int count = 0) const {
         double previous = 1.0;
         for (int i = 0; i < most_steps; ++i) {
             const Projected f = projected(shear, triangle, p, q);
             const double inverse = -1.0 / f.determinant;
             double d_p = inverse * area(f.value, f.by_q), d_q = inverse * area(f.by_p, f.value);
+            double pull = 1.0;
+            for (int k = 0; k < count; ++k) {
+                const double away_p = p - feet[k].p, away_q = q - feet[k].q, square = away_p * away_p + away_q * away_q;
+                pull += 2.0 * (away_p * d_p + away_q * d_q) / (square * (1.0 + square));
+            }
+            d_p /= pull;
+            d_q /= pull;
             double step = std::fmax(std::fabs(d_p), std::fabs(d_q));
             if (!(step < INFINITY)) return {};
             if (step > 0.5) {
