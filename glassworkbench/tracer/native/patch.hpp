@@ -100,8 +100,10 @@ private:
     static constexpr double off_triangle = 0.1;  // the same for the other foot of a pair
 
     struct Triangle : CurvedTriangle {
-        // Areas seen along a ray, above which it passes an edge farther off than its arc.
-        double reach[3];
+        // What is seen of an edge by a ray that passes it farther off than its arc: the area of the triangle to its ends
+        // is above `reach`, or the ends' product above `around` (the ray is outside the circle over the chord, which
+        // is widened by the arc's height).
+        double reach[3], around[3];
 
         Triangle(const CurvedTriangle& triangle, const std::vector<CurvedEdge>& edges) : CurvedTriangle(triangle) {
             for (int k = 0; k < 3; ++k) {
@@ -112,6 +114,8 @@ private:
                 for (const Vector& point : e.point) off = std::fmax(off, length(cross(chord, point - start)));
                 // An arc leaves the hull of its points by less than half.
                 reach[k] = 1.5 * off;
+                const double height = off > 0.0 ? reach[k] / length(chord) : 0.0;
+                around[k] = height * (length(chord) + height);
             }
         }
     };
@@ -165,14 +169,15 @@ private:
         const Triangle& triangle = triangles_[number];
         Vector corner[3];
         for (int k = 0; k < 3; ++k) corner[k] = shear.point(triangle.corner[k]);
+        // Seen along the ray, lengths and areas grow by what the shear stretches, if they do.
         const double stretch = std::fabs(shear.sz);
         double areas[3];
         int turns = 0;
         for (int k = 0; k < 3; ++k) {
             const Vector &p = corner[k], &q = corner[(k + 1) % 3];
             areas[k] = area(p, q);
-            // Seen along the ray, areas grow by what the shear stretches.
-            if (std::fabs(areas[k]) > stretch * triangle.reach[k]) {
+            if (std::fabs(areas[k]) > stretch * triangle.reach[k] ||
+                dot_across(p, q) > stretch * stretch * triangle.around[k]) {
                 turns += winding(p, q, areas[k]);
             } else {
                 const int once = winding_of(shear, edges_[triangle.edge[k]]);
