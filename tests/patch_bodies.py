@@ -85,4 +85,3 @@ def tessellated(sheets, around, along):
     kept = np.all(corners != np.roll(corners, 1, axis=1), axis=1)
     mesh = Mesh(points[first], corners[kept])
     return Patches(sheets, mesh, np.concatenate(numbers)[kept], uvs[triangles[kept]])
-

@@ -218,7 +218,10 @@ def patches():
         Body("lens", lens),
         Body("half", box_mesh((0.0, -20.0, -30.0), (24.0, 20.0, 30.0))),
     )
-    media = (Medium("torus", WATER, (0.01, 0.02, 0.03)), Medium("pebble or lens and half", SODA_LIME, (0.0, 0.01, 0.02)))
+    media = (
+        Medium("torus", WATER, (0.01, 0.02, 0.03)),
+        Medium("pebble or lens and half", SODA_LIME, (0.0, 0.01, 0.02)),
+    )
     return Scene(bodies, media, (sky(seed=10), _panel()), CAMERA)
 
 

@@ -154,8 +154,8 @@ class Patches:
         worst = int(np.argmax(distance))
         if not distance[worst] <= self.deviation_mm:
             raise InputError(
-                f"uv_of_corner: corner {worst % 3} of triangle {worst // 3} lies {distance[worst]:.3g} mm from its sheet, "
-                f"more than {self.deviation_mm:g} mm; its parameters belong to another place or sheet"
+                f"uv_of_corner: corner {worst % 3} of triangle {worst // 3} lies {distance[worst]:.3g} mm from its "
+                f"sheet, more than {self.deviation_mm:g} mm; its parameters belong to another place or sheet"
             )
 
     def placed(self, turn: np.ndarray, shift_mm: np.ndarray) -> Patches:

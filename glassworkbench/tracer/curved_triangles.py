@@ -72,6 +72,7 @@ class CurvedTriangles:
 
     @classmethod
     def of(cls, patches: Patches) -> CurvedTriangles:
+        """Return the tables of a body."""
         uv, corners, pole = _poles_first(patches)
         sheet = patches.sheet_of_triangle
         count = len(corners)

@@ -41,6 +41,7 @@ class Feet:
     sense: np.ndarray
 
     def take(self, chosen: np.ndarray) -> Feet:
+        """Return the chosen feet, by a mask or by their places."""
         return Feet(self.row[chosen], self.share[chosen], self.distance[chosen], self.sense[chosen])
 
 
@@ -154,7 +155,7 @@ class PatchesCrosser:
     def _of_sense(
         self, feet: Feet, turns: np.ndarray, single: np.ndarray, frame: _Frames, line: np.ndarray, triangle: np.ndarray
     ) -> Feet:
-        """Return for each row of `single` the foot of the sense that the winding number asks for, nearest to the middle.
+        """Return for each row of `single` the foot of the sense that its winding number asks for, least outside.
 
         Where there is none, the flat triangle's point has to do.
         """

@@ -7,14 +7,15 @@
 // the ray of the triangle's boundary seen along it. The boundary is three edges, each four parabolas through points on
 // the surface, and both triangles at an edge hold the same numbers. A chord adds to the winding number what it adds in
 // a mesh; where the ray passes between a chord and its arc, the loop of the two winds about the ray once more, in the
-// sense in which the edge is run. Both change sign with that sense, in floating point too, so over the closed body every
-// line enters as often as it leaves: nothing leaks at seams, vertices, poles or silhouettes, whatever becomes of the
-// second step.
+// sense in which the edge is run. Both change sign with that sense, in floating point too, so over the closed body
+// every line enters as often as it leaves: nothing leaks at seams, vertices, poles or silhouettes, whatever becomes of
+// the second step.
 //
 // Geometry. Newton on the exact sheet, in the triangle's barycentric coordinates, from where the ray meets the flat
 // triangle. It need not stop at the triangle's side: the sheet goes on there, and edges are off it by the fourth order
 // of their length only, so a foot just outside is as exact. A foot of the wrong sense lies beyond the silhouette,
-// and the one before it is sought. Where no foot of the right sense is found nearby, the point of the flat triangle has to do.
+// and the one before it is sought. Where no foot of the right sense is found nearby, the point of the flat triangle has
+// to do.
 //
 // Silhouettes. Where the winding number is 0 and the ray can be tangent to the triangle at all (a cone around its
 // normals tells), it may still enter and leave: then Newton finds two feet of opposite sense, or the ray passes by.
@@ -32,8 +33,8 @@
 #include <vector>
 
 #include "hierarchy.hpp"
-#include "sheet.hpp"
 #include "shear.hpp"
+#include "sheet.hpp"
 #include "vector.hpp"
 
 namespace glass {
@@ -95,14 +96,14 @@ private:
     static constexpr int most_steps = 30;
     static constexpr int most_steps_to_silhouette = 8;
     static constexpr double starts[7][2] = {{2, 2}, {4, 1}, {1, 4}, {1, 1}, {3, 3}, {3, 0}, {0, 3}};  // in sixths
-    static constexpr double beyond = 0.6;       // barycentric coordinates that Newton may fall below 0 by
+    static constexpr double beyond = 0.6;        // barycentric coordinates that Newton may fall below 0 by
     static constexpr double on_triangle = 1e-3;  // the same where a foot is on the triangle, but for the edges' error
     static constexpr double off_triangle = 0.1;  // the same for the other foot of a pair
 
     struct Triangle : CurvedTriangle {
-        // What is seen of an edge by a ray that passes it farther off than its arc: the area of the triangle to its ends
-        // is above `reach`, or the ends' product above `around` (the ray is outside the circle over the chord, which
-        // is widened by the arc's height).
+        // What is seen of an edge by a ray that passes it farther off than its arc: the area of the triangle to its
+        // ends is above `reach`, or the ends' product above `around` (the ray is outside the circle over the chord,
+        // which is widened by the arc's height).
         double reach[3], around[3];
 
         Triangle(const CurvedTriangle& triangle, const std::vector<CurvedEdge>& edges) : CurvedTriangle(triangle) {
@@ -264,7 +265,8 @@ private:
         double p = areas[2] / total, q = areas[0] / total;
         if (!(p >= -beyond && q >= -beyond && p + q <= 1.0 + beyond)) p = q = 1.0 / 3.0;
         const int sense = turns < 0 ? -1 : 1;
-        const Root flat{true, p, q, shear.sz * ((1.0 - p - q) * corner[0].z + p * corner[1].z + q * corner[2].z), sense};
+        const Root flat{true, p, q, shear.sz * ((1.0 - p - q) * corner[0].z + p * corner[1].z + q * corner[2].z),
+                        sense};
         // Other feet may lie nearby, on the sheet beyond the triangle: the one that is least outside is meant.
         Root best = flat;
         double least = INFINITY;

@@ -31,16 +31,26 @@ public:
 
     SheetPoint at(double u, double v) const {
         switch (10 * degree_u_ + degree_v_) {
-            case 11: return evaluate<1, 1>(u, v);
-            case 12: return evaluate<1, 2>(u, v);
-            case 13: return evaluate<1, 3>(u, v);
-            case 21: return evaluate<2, 1>(u, v);
-            case 22: return evaluate<2, 2>(u, v);
-            case 23: return evaluate<2, 3>(u, v);
-            case 31: return evaluate<3, 1>(u, v);
-            case 32: return evaluate<3, 2>(u, v);
-            case 33: return evaluate<3, 3>(u, v);
-            default: return evaluate<0, 0>(u, v);
+            case 11:
+                return evaluate<1, 1>(u, v);
+            case 12:
+                return evaluate<1, 2>(u, v);
+            case 13:
+                return evaluate<1, 3>(u, v);
+            case 21:
+                return evaluate<2, 1>(u, v);
+            case 22:
+                return evaluate<2, 2>(u, v);
+            case 23:
+                return evaluate<2, 3>(u, v);
+            case 31:
+                return evaluate<3, 1>(u, v);
+            case 32:
+                return evaluate<3, 2>(u, v);
+            case 33:
+                return evaluate<3, 3>(u, v);
+            default:
+                return evaluate<0, 0>(u, v);
         }
     }
 
@@ -54,7 +64,8 @@ private:
             const std::size_t last = knots.size() - 2;
             if (last > 0)
                 cell = static_cast<std::size_t>(std::upper_bound(knots.begin() + 1, knots.end() - 1, parameter) -
-                                                knots.begin()) - 1;
+                                                knots.begin()) -
+                       1;
             width = knots[cell + 1] - knots[cell];
             t = (parameter - knots[cell]) / width;
         }

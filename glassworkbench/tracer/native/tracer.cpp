@@ -127,9 +127,10 @@ GLASS_EXPORT int32_t glass_add_mesh(glass_scene* scene, const double* vertices, 
 
 GLASS_EXPORT int32_t glass_add_patches(glass_scene* scene, const int32_t* shapes, int64_t sheet_count,
                                        const double* knots, const double* control_points, int64_t triangle_count,
-                                       const int32_t* sheet_of_triangle, const double* corners, const double* uv, const int32_t* pole,
-                                       int64_t edge_count, const double* edges, const int32_t* edge, const int32_t* along, const double* low,
-                                       const double* high, const double* cone_axis, const double* cone_sine) {
+                                       const int32_t* sheet_of_triangle, const double* corners, const double* uv,
+                                       const int32_t* pole, int64_t edge_count, const double* edges,
+                                       const int32_t* edge, const int32_t* along, const double* low, const double* high,
+                                       const double* cone_axis, const double* cone_sine) {
     return guarded([&] {
         std::vector<glass::Sheet> sheets;
         for (int64_t i = 0; i < sheet_count; ++i, shapes += 4) {

@@ -52,9 +52,9 @@ int32_t glass_add_patches(glass_scene* scene, const int32_t* shapes, int64_t she
                           const double* control_points, int64_t triangle_count, const int32_t* sheet_of_triangle,
                           const double* corners /* m x 3 x 3 */, const double* uv /* m x 3 x 2 */, const int32_t* pole,
                           int64_t edge_count, const double* edges /* e x 9 x 3 */, const int32_t* edge /* m x 3 */,
-                          const int32_t* along /* m x 3 */,
-                          const double* low /* m x 3 */, const double* high /* m x 3 */,
-                          const double* cone_axis /* m x 3 */, const double* cone_sine /* m */);
+                          const int32_t* along /* m x 3 */, const double* low /* m x 3 */,
+                          const double* high /* m x 3 */, const double* cone_axis /* m x 3 */,
+                          const double* cone_sine /* m */);
 int32_t glass_add_ellipsoid(glass_scene* scene, const double* centre, const double* semi_axes,
                             const double* rotation /* 3 x 3, columns are the axes */);
 int32_t glass_set_media(glass_scene* scene, const int32_t* medium_of_bits, int64_t combinations,
