@@ -20,9 +20,6 @@ BEYOND = 0.6
 ON_TRIANGLE = 1e-3
 """The same where a foot is on its triangle, but for the edges' error."""
 
-OFF_TRIANGLE = 0.1
-"""The same for the other foot of a pair."""
-
 STARTS = np.array([(2, 2), (4, 1), (1, 4), (1, 1)]) / 6.0
 """Barycentric coordinates from which feet are sought."""
 
@@ -229,16 +226,16 @@ def _lens(p: np.ndarray, q: np.ndarray, middle: np.ndarray) -> np.ndarray:
 
 
 def _pairs(feet: Feet, turns: np.ndarray) -> Feet:
-    """Return the feet of lines that enter and leave one triangle: pairs of which one foot lies on it for sure."""
+    """Return the feet of lines that enter and leave one triangle: pairs of feet that lie on it."""
     outside = np.maximum(np.maximum(-feet.share.min(axis=1), feet.share.sum(axis=1) - 1.0), 0.0)
-    near = (turns[feet.row] == 0) & (outside <= OFF_TRIANGLE)
+    near = (turns[feet.row] == 0) & (outside <= ON_TRIANGLE)
     feet, outside = feet.take(near), outside[near]
     order = np.lexsort((outside, feet.sense, feet.row))
     feet, outside = feet.take(order), outside[order]
     first = (np.diff(feet.row, prepend=-1) != 0) | (np.diff(feet.sense, prepend=0) != 0)
-    feet, outside = feet.take(first), outside[first]
+    feet = feet.take(first)
     both = (feet.sense[:-1] < 0) & (feet.sense[1:] > 0) & (feet.row[:-1] == feet.row[1:])
-    entering = np.flatnonzero(both & (np.minimum(outside[:-1], outside[1:]) <= ON_TRIANGLE))
+    entering = np.flatnonzero(both)
     return feet.take(np.concatenate([entering, entering + 1]))
 
 

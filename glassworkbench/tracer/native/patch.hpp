@@ -8,8 +8,8 @@
 // the surface, and both triangles at an edge hold the same numbers. A chord adds to the winding number what it adds in
 // a mesh; where the ray passes between a chord and its arc, the loop of the two winds about the ray once more, in the
 // sense in which the edge is run. Both change sign with that sense, in floating point too, so over the closed body
-// every line enters as often as it leaves: nothing leaks at seams, vertices, poles or silhouettes, whatever becomes of
-// the second step.
+// every line enters as often as it leaves: no crossing is lost at seams, vertices, poles or silhouettes, whatever
+// becomes of the second step.
 //
 // Geometry. Newton on the exact sheet, in the triangle's barycentric coordinates, from where the ray meets the flat
 // triangle. It need not stop at the triangle's side: the sheet goes on there, and edges are off it by the fourth order
@@ -98,7 +98,7 @@ private:
     static constexpr double starts[7][2] = {{2, 2}, {4, 1}, {1, 4}, {1, 1}, {3, 3}, {3, 0}, {0, 3}};  // in sixths
     static constexpr double beyond = 0.6;        // barycentric coordinates that Newton may fall below 0 by
     static constexpr double on_triangle = 1e-3;  // the same where a foot is on the triangle, but for the edges' error
-    static constexpr double off_triangle = 0.1;  // the same for the other foot of a pair
+    static constexpr double off_triangle = 0.1;  // the same for the partner of a foot that is known
 
     struct Triangle : CurvedTriangle {
         // What is seen of an edge by a ray that passes it farther off than its arc: the area of the triangle to its
@@ -196,9 +196,7 @@ private:
         } else if (may_touch) {
             const Pair both = pair(shear, triangle, 1.0 / 3.0, 1.0 / 3.0);
             if (!both.found) return;
-            const double off_entering = outside(both.entering), off_leaving = outside(both.leaving);
-            if (std::fmin(off_entering, off_leaving) > on_triangle) return;
-            if (std::fmax(off_entering, off_leaving) > off_triangle) return;
+            if (std::fmax(outside(both.entering), outside(both.leaving)) > on_triangle) return;
             report(number, both.entering, -1, visit);
             report(number, both.leaving, 1, visit);
         }
