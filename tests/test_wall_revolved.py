@@ -17,13 +17,13 @@ from glassworkbench.wall.bezier import crossings, evaluate, fit_cubic, line, pol
 from glassworkbench.wall.bore import Bore
 from glassworkbench.wall.inner_meridian import offset_meridian
 from glassworkbench.wall.measure_meridian import measure_revolved
-from glassworkbench.wall.volumes import mesh_volume, revolved_volume
 from glassworkbench.wall.outside import outside
 from glassworkbench.wall.profile import wall_meridian
 from glassworkbench.wall.revolved import revolved
 from glassworkbench.wall.thickness_text import parse_thickness
 from glassworkbench.wall.turned_mesh import turned_mesh
 from glassworkbench.wall.unfolding import clearance
+from glassworkbench.wall.volumes import mesh_volume, revolved_volume
 
 
 def arc(centre, radius, start_deg, end_deg):

@@ -3,8 +3,9 @@
 from itertools import pairwise
 
 import numpy as np
+from patch_bodies import ball_patches, pebble_patches, quarter_arc, turned_patches
 
-from glassworkbench.scene import Body, Ellipsoid, Environment, Medium, Mesh, Panel, Pinhole, Revolved, Scene
+from glassworkbench.scene import Body, Ellipsoid, Environment, Medium, Mesh, Panel, Patches, Pinhole, Revolved, Scene
 
 SODA_LIME = 1.52338
 WATER = 1.3334
@@ -206,6 +207,24 @@ def meshes():
     return Scene(bodies, media, (sky(seed=9), _panel()), CAMERA)
 
 
+def patches():
+    """A free-form pebble of glass with a torus of water in it, and half a lens of rational octants: all of patches."""
+    pebble = pebble_patches()
+    torus = turned_patches([quarter_arc((9.0, 0.0), 4.0, 90.0 * k) for k in range(4)], 6, 4)
+    lens = ball_patches(9.0, 6).placed(_rotation(0.5, 0.3), np.array([24.0, 3.0, 1.0]))
+    bodies = (
+        Body("pebble", pebble),
+        Body("torus", torus.placed(_rotation(1.2, -0.4), np.array([-2.0, 1.0, 0.5]))),
+        Body("lens", lens),
+        Body("half", box_mesh((0.0, -20.0, -30.0), (24.0, 20.0, 30.0))),
+    )
+    media = (
+        Medium("torus", WATER, (0.01, 0.02, 0.03)),
+        Medium("pebble or lens and half", SODA_LIME, (0.0, 0.01, 0.02)),
+    )
+    return Scene(bodies, media, (sky(seed=10), _panel()), CAMERA)
+
+
 def _rotation(tilt, turn):
     about_x = np.array([[1, 0, 0], [0, np.cos(tilt), -np.sin(tilt)], [0, np.sin(tilt), np.cos(tilt)]])
     about_z = np.array([[np.cos(turn), -np.sin(turn), 0], [np.sin(turn), np.cos(turn), 0], [0, 0, 1]])
@@ -220,6 +239,7 @@ SCENES = {
     "ring": ring,
     "seeds": seeds,
     "meshes": meshes,
+    "patches": patches,
 }
 
 
@@ -247,6 +267,8 @@ def bounds(scene):
         surface = body.surface
         if isinstance(surface, Mesh):
             corners += list(surface.vertices_mm)
+        elif isinstance(surface, Patches):
+            corners += list(surface.mesh.vertices_mm)
         elif isinstance(surface, Revolved):
             radius = surface.meridian[:, :, 0].max()
             for z in (surface.meridian[:, :, 1].min(), surface.meridian[:, :, 1].max()):

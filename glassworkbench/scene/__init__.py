@@ -4,10 +4,12 @@ No FreeCAD, no Qt: a scene can be pickled, sent to another machine and traced th
 Units are millimetres and radians unless a name says otherwise.
 """
 
-from glassworkbench.scene.bodies import Body, ContainerGeometry, Ellipsoid, Mesh, Revolved, Surface
+from glassworkbench.scene.bodies import Body, ContainerGeometry, Ellipsoid, Revolved, Surface
 from glassworkbench.scene.cameras import Camera, Pinhole, Telecentric
 from glassworkbench.scene.lights import Environment, Light, Panel
 from glassworkbench.scene.media import Medium, medium_table
+from glassworkbench.scene.mesh import Mesh
+from glassworkbench.scene.patches import Patches, Sheet
 from glassworkbench.scene.scene import Scene
 
 __all__ = [
@@ -20,9 +22,11 @@ __all__ = [
     "Medium",
     "Mesh",
     "Panel",
+    "Patches",
     "Pinhole",
     "Revolved",
     "Scene",
+    "Sheet",
     "Surface",
     "Telecentric",
     "medium_table",

@@ -11,10 +11,11 @@ import numpy as np
 
 from glassworkbench.errors import InputError
 from glassworkbench.glass import find_filling, find_glass
-from glassworkbench.scene.bodies import Body, Ellipsoid, Mesh, Revolved, Surface
+from glassworkbench.scene.bodies import Body, Ellipsoid, Revolved, Surface
 from glassworkbench.scene.cameras import Camera, Pinhole, Telecentric
 from glassworkbench.scene.lights import Environment, Light, Panel
 from glassworkbench.scene.media import Medium
+from glassworkbench.scene.mesh import Mesh
 from glassworkbench.scene.meshes import read_mesh
 from glassworkbench.scene.scene import Scene
 from glassworkbench.scene.validate import finite, finite_array, unit_vector
@@ -193,7 +194,7 @@ def _placed(surface: Surface, table: Mapping) -> Surface:
         return Revolved(surface.meridian, position + turn @ surface.base_mm, turn @ surface.axis)
     if isinstance(surface, Ellipsoid):
         return Ellipsoid(position + turn @ surface.centre_mm, surface.semi_axes_mm, turn @ surface.rotation)
-    return Mesh(position + surface.vertices_mm @ turn.T, surface.triangles, surface.normals @ turn.T)
+    return surface.placed(turn, position)
 
 
 def _rotation(axis: np.ndarray, angle_rad: float) -> np.ndarray:

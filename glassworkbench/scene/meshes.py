@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from glassworkbench.errors import InputError
-from glassworkbench.scene.bodies import Mesh
+from glassworkbench.scene.mesh import Mesh
 
 CREASE_RAD = np.radians(30.0)
 """Faces that meet at a larger angle keep an edge between them when a file has no normals."""

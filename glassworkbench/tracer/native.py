@@ -12,15 +12,16 @@ import numpy as np
 from numpy.ctypeslib import ndpointer
 
 from glassworkbench.errors import Cancelled, GlassWorkbenchError, InputError
-from glassworkbench.scene import Body, Environment, Mesh, Panel, Revolved, Scene, Telecentric
+from glassworkbench.scene import Body, Environment, Mesh, Panel, Patches, Revolved, Scene, Telecentric
 from glassworkbench.scene.cameras import Camera, camera_frame
 from glassworkbench.scene.validate import finite_array, unit_vector
 from glassworkbench.tracer.control import Cancel, Control
+from glassworkbench.tracer.curved_triangles import CurvedTriangles
 from glassworkbench.tracer.film import Film
 from glassworkbench.tracer.result import Crossing, Radiance
 
 LIBRARY_FOLDER = Path(__file__).with_name("native") / "lib"
-INTERFACE_VERSION = 1
+INTERFACE_VERSION = 2
 BUILDS_BY_VECTOR_WIDTH = {2: ("baseline",), 4: ("v3", "baseline"), 8: ("v4", "v3", "baseline")}
 
 _DOUBLES = ndpointer(np.float64, flags="C_CONTIGUOUS")
@@ -247,8 +248,33 @@ class NativeScene:
                 surface.triangles,
                 len(surface.triangles),
             )
+        elif isinstance(surface, Patches):
+            self._add_patches(surface)
         else:
             self._call("glass_add_ellipsoid", surface.centre_mm, surface.semi_axes_mm, surface.rotation)
+
+    def _add_patches(self, patches: Patches) -> None:
+        sheets, triangles = patches.sheets, CurvedTriangles.of(patches)
+        self._call(
+            "glass_add_patches",
+            np.array([(*sheet.degrees, *sheet.control_points.shape[:2]) for sheet in sheets], dtype=np.int32),
+            len(sheets),
+            np.concatenate([knots for sheet in sheets for knots in (sheet.u_knots, sheet.v_knots)]),
+            np.concatenate([sheet.control_points.ravel() for sheet in sheets]),
+            len(patches.sheet_of_triangle),
+            triangles.sheet,
+            triangles.corners_mm,
+            triangles.uv,
+            triangles.pole,
+            len(triangles.edges_mm),
+            triangles.edges_mm,
+            triangles.edge,
+            triangles.along.astype(np.int32),
+            triangles.low_mm,
+            triangles.high_mm,
+            triangles.cone_axis,
+            triangles.cone_sine,
+        )
 
     def _call(self, name: str, *arguments: object) -> None:
         outcome = getattr(self._library, name)(self._handle, *arguments)
@@ -312,6 +338,25 @@ def _declare(library: ctypes.CDLL) -> None:
         "glass_scene_free": (None, (handle,)),
         "glass_add_revolved": (int32, (handle, _DOUBLES, int64, _DOUBLES, _DOUBLES)),
         "glass_add_mesh": (int32, (handle, _DOUBLES, _DOUBLES, int64, _INT32S, int64)),
+        "glass_add_patches": (
+            int32,
+            (
+                handle,
+                _INT32S,
+                int64,
+                _DOUBLES,
+                _DOUBLES,
+                int64,
+                _INT32S,
+                *[_DOUBLES] * 2,
+                _INT32S,
+                int64,
+                _DOUBLES,
+                _INT32S,
+                _INT32S,
+                *[_DOUBLES] * 4,
+            ),
+        ),
         "glass_add_ellipsoid": (int32, (handle, _DOUBLES, _DOUBLES, _DOUBLES)),
         "glass_set_media": (int32, (handle, _INT32S, int64, _DOUBLES, _DOUBLES, int64)),
         "glass_add_panel": (int32, (handle, _DOUBLES, _DOUBLES, _DOUBLES, _DOUBLES)),

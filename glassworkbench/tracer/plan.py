@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from glassworkbench.errors import InputError
-from glassworkbench.scene import Mesh, Revolved, Scene
+from glassworkbench.scene import Mesh, Patches, Revolved, Scene
 from glassworkbench.scene.validate import finite
 from glassworkbench.settings import unknown_name
 
@@ -101,8 +101,9 @@ def _longest_chord_mm(scene: Scene) -> float:
     corners = []
     for body in scene.bodies:
         surface = body.surface
-        if isinstance(surface, Mesh):
-            corners += [surface.vertices_mm.min(axis=0), surface.vertices_mm.max(axis=0)]
+        if isinstance(surface, Mesh | Patches):
+            mesh = surface.mesh if isinstance(surface, Patches) else surface
+            corners += [mesh.vertices_mm.min(axis=0), mesh.vertices_mm.max(axis=0)]
         elif isinstance(surface, Revolved):
             r, z = surface.meridian[:, :, 0].max(), surface.meridian[:, :, 1]
             ends = [surface.base_mm + height * surface.axis for height in (z.min(), z.max())]

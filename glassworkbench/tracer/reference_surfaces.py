@@ -12,7 +12,8 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from glassworkbench.scene import Ellipsoid, Mesh, Revolved, Surface
+from glassworkbench.scene import Ellipsoid, Mesh, Patches, Revolved, Surface
+from glassworkbench.tracer.reference_patches import PatchesCrosser, winding
 from glassworkbench.tracer.reference_revolved import RevolvedCrosser
 
 LINES_AT_ONCE = 4096
@@ -54,6 +55,8 @@ def crosser(surface: Surface) -> Crosser:
         return _in_chunks(_cross_revolved(RevolvedCrosser(surface)))
     if isinstance(surface, Mesh):
         return _in_chunks(_MeshCrosser(surface))
+    if isinstance(surface, Patches):
+        return _in_chunks(_cross_patches(PatchesCrosser(surface)))
     return lambda origins, directions: _cross_ellipsoid(surface, origins, directions)
 
 
@@ -63,6 +66,8 @@ def largest_coordinate_mm(surface: Surface) -> float:
         return float(np.abs(surface.base_mm).max() + np.linalg.norm(surface.meridian[:, :, :2], axis=-1).max())
     if isinstance(surface, Mesh):
         return float(np.abs(surface.vertices_mm).max())
+    if isinstance(surface, Patches):
+        return 1.1 * float(np.abs(surface.mesh.vertices_mm).max())
     return float(np.abs(surface.centre_mm).max() + surface.semi_axes_mm.max())
 
 
@@ -81,6 +86,17 @@ def _in_chunks(cross: Crosser) -> Crosser:
 def _cross_revolved(cross: RevolvedCrosser) -> Crosser:
     def cross_lines(origins: np.ndarray, directions: np.ndarray) -> Crossings:
         line, distance, entering, normal = cross(origins, directions)
+        return Crossings(line, distance, entering, normal, normal)
+
+    return cross_lines
+
+
+def _cross_patches(cross: PatchesCrosser) -> Crosser:
+    tree = _BoxTree(cross.triangles.low_mm, cross.triangles.high_mm, TRIANGLES_A_LEAF)
+
+    def cross_lines(origins: np.ndarray, directions: np.ndarray) -> Crossings:
+        candidates = tree.candidates(origins, directions)
+        line, distance, entering, normal = cross(origins, directions, *candidates)
         return Crossings(line, distance, entering, normal, normal)
 
     return cross_lines
@@ -119,11 +135,11 @@ TRIANGLES_A_LEAF = 4
 
 
 class _MeshCrosser:
-    """Triangles in a tree of boxes, tested by signed areas seen along the line.
+    """Triangles in a tree of boxes, tested by the winding numbers of their projections about the line.
 
-    After Woop, Benthin and Wald, "Watertight ray/triangle intersection", JCGT 2 (2013): each edge's signed area is
-    computed from its two projected vertices alone, so both triangles at the edge see the same sign. An area of
-    exactly zero takes the sign it would have if the line were shifted by (epsilon, epsilon^2).
+    Projected by the shear of Woop, Benthin and Wald, "Watertight ray/triangle intersection", JCGT 2 (2013). What an
+    edge adds to the winding number it takes away in the triangle on its other side, so over a closed mesh every line
+    enters as often as it leaves.
     """
 
     def __init__(self, mesh: Mesh) -> None:
@@ -145,11 +161,15 @@ class _MeshCrosser:
         shear = direction[:, :2] / direction[:, 2:]
         x = corners[..., 0] - shear[:, :1] * corners[..., 2]
         y = corners[..., 1] - shear[:, 1:] * corners[..., 2]
-        areas = np.stack([_signed_area(x, y, 1, 2), _signed_area(x, y, 2, 0), _signed_area(x, y, 0, 1)], axis=1)
-        signs = np.stack([_side(areas[:, k], x, y, (k + 1) % 3, (k + 2) % 3) for k in range(3)], axis=1)
+        seen = np.stack([x, y], axis=2)
+        ends = [(seen[:, (k + 1) % 3], seen[:, (k + 2) % 3]) for k in range(3)]
+        areas = np.stack([p[:, 0] * q[:, 1] - q[:, 0] * p[:, 1] for p, q in ends], axis=1)
+        turns = sum(winding(p, q) for p, q in ends)
+        hit = turns != 0
+        line, triangle, areas, turns = line[hit], triangle[hit], areas[hit], turns[hit]
+        # A triangle seen edge-on, to the last digit, is met at its middle.
+        areas[areas.sum(axis=1) == 0.0] = 1.0
         total = areas.sum(axis=1)
-        hit = (np.all(signs > 0, axis=1) | np.all(signs < 0, axis=1)) & (total != 0.0)
-        line, triangle, areas, total = line[hit], triangle[hit], areas[hit], total[hit]
         share = areas / total[:, None]
         distance = _dot(share, corners[hit, :, 2]) / direction[hit, 2]
         normal = self.normal[triangle]
@@ -157,18 +177,7 @@ class _MeshCrosser:
         smooth = np.where(_dot(smooth, normal)[:, None] < 0.0, -smooth, smooth)
         smooth = np.where(_dot(smooth, smooth)[:, None] == 0.0, normal, smooth)
         # Seen along the line, a triangle that turns clockwise shows its outside.
-        return Crossings(line, distance, signs[hit, 0] < 0, normal, smooth)
-
-
-def _signed_area(x: np.ndarray, y: np.ndarray, i: int, j: int) -> np.ndarray:
-    return x[:, i] * y[:, j] - y[:, i] * x[:, j]
-
-
-def _side(area: np.ndarray, x: np.ndarray, y: np.ndarray, i: int, j: int) -> np.ndarray:
-    """Return the sign of an edge's signed area; where it is 0, the sign after the shift (epsilon, epsilon^2)."""
-    side = np.sign(area)
-    side = np.where(side == 0.0, np.sign(y[:, i] - y[:, j]), side)
-    return np.where(side == 0.0, np.sign(x[:, j] - x[:, i]), side)
+        return Crossings(line, distance, turns < 0, normal, smooth)
 
 
 class _BoxTree:

@@ -8,6 +8,7 @@
 
 #include "ellipsoid.hpp"
 #include "mesh.hpp"
+#include "patch.hpp"
 #include "revolved.hpp"
 #include "vector.hpp"
 
@@ -92,7 +93,7 @@ struct Camera {
     }
 };
 
-using Surface = std::variant<Revolved, Mesh, Ellipsoid>;
+using Surface = std::variant<Revolved, Patches, Mesh, Ellipsoid>;
 
 struct Scene {
     std::vector<Surface> bodies;

@@ -125,6 +125,50 @@ GLASS_EXPORT int32_t glass_add_mesh(glass_scene* scene, const double* vertices, 
     });
 }
 
+GLASS_EXPORT int32_t glass_add_patches(glass_scene* scene, const int32_t* shapes, int64_t sheet_count,
+                                       const double* knots, const double* control_points, int64_t triangle_count,
+                                       const int32_t* sheet_of_triangle, const double* corners, const double* uv,
+                                       const int32_t* pole, int64_t edge_count, const double* edges,
+                                       const int32_t* edge, const int32_t* along, const double* low, const double* high,
+                                       const double* cone_axis, const double* cone_sine) {
+    return guarded([&] {
+        std::vector<glass::Sheet> sheets;
+        for (int64_t i = 0; i < sheet_count; ++i, shapes += 4) {
+            const double* const v_knots = knots + shapes[2] + 1;
+            const double* const end = v_knots + shapes[3] + 1;
+            sheets.emplace_back(shapes[0], shapes[1], std::vector<double>(knots, v_knots),
+                                std::vector<double>(v_knots, end), control_points);
+            knots = end;
+            control_points += 4 * int64_t{shapes[2]} * shapes[3] * (shapes[0] + 1) * (shapes[1] + 1);
+        }
+        std::vector<glass::CurvedEdge> curves(static_cast<std::size_t>(edge_count));
+        for (glass::CurvedEdge& curve : curves)
+            for (Vector& point : curve.point) {
+                point = vector(edges);
+                edges += 3;
+            }
+        std::vector<glass::CurvedTriangle> triangles(static_cast<std::size_t>(triangle_count));
+        std::vector<glass::Box> boxes(triangles.size());
+        for (std::size_t i = 0; i < triangles.size(); ++i) {
+            glass::CurvedTriangle& triangle = triangles[i];
+            for (int k = 0; k < 3; ++k) {
+                triangle.corner[k] = vector(corners + 9 * i + 3 * k);
+                triangle.edge[k] = edge[3 * i + k];
+                triangle.along[k] = along[3 * i + k] != 0;
+                triangle.u[k] = uv[6 * i + 2 * k];
+                triangle.v[k] = uv[6 * i + 2 * k + 1];
+            }
+            triangle.sheet = sheet_of_triangle[i];
+            triangle.pole = pole[i];
+            triangle.cone_axis = vector(cone_axis + 3 * i);
+            triangle.cone_sine = cone_sine[i];
+            boxes[i].include(vector(low + 3 * i));
+            boxes[i].include(vector(high + 3 * i));
+        }
+        return add(scene, glass::Patches(std::move(sheets), std::move(curves), triangles, boxes));
+    });
+}
+
 GLASS_EXPORT int32_t glass_add_ellipsoid(glass_scene* scene, const double* centre, const double* semi_axes,
                                          const double* rotation) {
     return guarded([&] {

@@ -9,7 +9,7 @@
 extern "C" {
 #endif
 
-#define GLASS_INTERFACE_VERSION 1
+#define GLASS_INTERFACE_VERSION 2
 #define GLASS_OK 0
 #define GLASS_CANCELLED 1
 #define GLASS_FAILED 2
@@ -46,6 +46,15 @@ int32_t glass_add_revolved(glass_scene* scene, const double* meridian /* n x 4 x
                            const double* axis);
 int32_t glass_add_mesh(glass_scene* scene, const double* vertices, const double* normals, int64_t vertex_count,
                        const int32_t* triangles, int64_t triangle_count);
+/* Sheets: shapes (sheets x 4, int32) degree in u and in v, patches in u and in v; then one after the other, of all
+   sheets, the knots (u before v) and the homogeneous control points. Triangles: the tables of curved_triangles.py. */
+int32_t glass_add_patches(glass_scene* scene, const int32_t* shapes, int64_t sheet_count, const double* knots,
+                          const double* control_points, int64_t triangle_count, const int32_t* sheet_of_triangle,
+                          const double* corners /* m x 3 x 3 */, const double* uv /* m x 3 x 2 */, const int32_t* pole,
+                          int64_t edge_count, const double* edges /* e x 9 x 3 */, const int32_t* edge /* m x 3 */,
+                          const int32_t* along /* m x 3 */, const double* low /* m x 3 */,
+                          const double* high /* m x 3 */, const double* cone_axis /* m x 3 */,
+                          const double* cone_sine /* m */);
 int32_t glass_add_ellipsoid(glass_scene* scene, const double* centre, const double* semi_axes,
                             const double* rotation /* 3 x 3, columns are the axes */);
 int32_t glass_set_media(glass_scene* scene, const int32_t* medium_of_bits, int64_t combinations,
