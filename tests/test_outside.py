@@ -78,6 +78,13 @@ def test_the_wall_goes_straight_on_above_the_mouth():
     assert wall.distance(np.array([[30.0, 0.0, 104.0]])).distance_mm[0] == pytest.approx(4.0, abs=1e-3)
 
 
+def test_the_collar_stands_on_the_rim_alone_also_where_the_thickness_varies():
+    wall = outside(lambda points, _: 2.0 + 0.3 * np.sin(points[:, 2]))
+    assert len(wall.corners_mm) > 2000
+    assert wall.corners_mm[wall.collar][:, :, 2].min() == 100.0
+    assert wall.lip_height_mm == 100.0
+
+
 @settings(max_examples=25, deadline=None)
 @given(st.integers(0, 2**32 - 1))
 def test_both_searches_find_the_same_lowest_place(seed):

@@ -121,6 +121,13 @@ def test_the_chosen_glass_colours_the_3d_view_in_one_step_of_undo(main_job):
     assert main_job["undo_after_glass"] == ["Set glass", "Make container"]
 
 
+def test_the_3d_view_shows_the_wall_in_colours(main_job):
+    picture = pixels_of(main_job["folder"] / "wall.png").astype(float)
+    # Most of a wall of 3 mm everywhere has the colour of the middle of the scale, a bluish green.
+    red, green, blue = np.moveaxis(picture[..., :3], -1, 0)
+    assert np.mean((green > 1.5 * red) & (blue > 1.5 * red) & (green > 60)) > 0.1
+
+
 def test_freecad_stays_usable_while_a_picture_gets_better(main_job):
     assert main_job["made_while_running"]
     assert main_job["longest_pause"] < 1.0

@@ -210,7 +210,11 @@ class ContainerFeature:
             obj.WeightGrams = obj.GlassVolume.Value / 1000.0 * glass.density_g_per_cm3
 
     def geometry(self, obj: Any) -> ContainerGeometry:
-        """Return the container as the tracer knows it; hollows again after a reopening or an undo.
+        """Return the container as the tracer knows it; raises as `container`."""
+        return self.container(obj).geometry()
+
+    def container(self, obj: Any) -> Container:
+        """Return what was made; hollows again after a reopening or an undo.
 
         Raises
         ------
@@ -221,7 +225,7 @@ class ContainerFeature:
             raise GlassWorkbenchError(f"{obj.Label}: {obj.Fault}")
         if self._made is None or not obj.Shape.isPartner(self._made.container.solid):
             self._made = _make(obj)
-        return self._made.container.geometry()
+        return self._made.container
 
     def onDocumentRestored(self, obj: Any) -> None:  # noqa: N802 (FreeCAD's name)
         """Give an object of an older version what it lacks."""

@@ -5,10 +5,16 @@ from __future__ import annotations
 from typing import Any
 
 from glassworkbench.document.appearance import colour, transparency_percent
+from glassworkbench.document.wall_view import wall_node
+from glassworkbench.errors import GlassWorkbenchError
+from glassworkbench.freecad import FreeCAD
 from glassworkbench.glass import catalogue
 from glassworkbench.settings import RESOURCES
 
 ICONS = RESOURCES / "icons"
+
+WALL = "Wall"
+"""The display mode that shows a container in the colours of its wall's thickness."""
 
 
 class _View:
@@ -33,6 +39,44 @@ class _View:
 class ContainerView(_View):
     """A container in the tree with its mold below it, coloured like its glass."""
 
+    def attach(self, view: Any) -> None:
+        """Add a way to show it: the colours of its wall."""
+        from pivy import coin
+
+        super().attach(view)
+        self._wall = coin.SoGroup()
+        view.addDisplayMode(self._wall, WALL)
+
+    def getDisplayModes(self, view: Any) -> list[str]:  # noqa: N802 (FreeCAD's name)
+        """Return the ways to show it besides those of any shape."""
+        return [WALL]
+
+    def setDisplayMode(self, mode: str) -> str:  # noqa: N802 (FreeCAD's name)
+        """Draw the wall when it is to be shown."""
+        if mode != WALL:
+            return mode
+        if self.Object.Document.Restoring:
+            # The wall is not in the file, and nobody wants to wait for it while the document opens.
+            return "Flat Lines"
+        self._draw_wall()
+        return mode
+
+    def _draw_wall(self) -> None:
+        self._wall.removeAllChildren()
+        if self.Object.Fault or self.Object.Shape.isNull():
+            return
+        try:
+            container = self.Object.Proxy.container(self.Object)
+        except GlassWorkbenchError as error:
+            FreeCAD.Console.PrintError(f"{self.Object.Label}: {error}\n")
+            return
+        wall = container.map()
+        self._wall.addChild(wall_node(wall, container.mold.placement))
+        low, high = wall.span_mm()
+        FreeCAD.Console.PrintMessage(
+            f"{self.Object.Label}: the wall is coloured from violet, {low:.2f} mm, to yellow, {high:.2f} mm\n"
+        )
+
     def getIcon(self) -> str:  # noqa: N802 (FreeCAD's name)
         """Return the icon that says whether the shape is up to date."""
         return str(ICONS / ("Container_Fault.svg" if self.Object.Fault else "Container.svg"))
@@ -51,6 +95,8 @@ class ContainerView(_View):
             obj.ViewObject.Transparency = transparency_percent(glass)
         elif name == "Fault":
             obj.ViewObject.signalChangeIcon()
+        elif name == "MinimumWallAt" and obj.ViewObject.DisplayMode == WALL:
+            self._draw_wall()
 
     def doubleClicked(self, view: Any) -> bool:  # noqa: N802 (FreeCAD's name)
         """Open the panel that changes wall and glass."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterable, Iterator
+from functools import partial
 
 import numpy as np
 
@@ -13,22 +14,27 @@ from glassworkbench.mold.anatomy import REVOLVED_MM
 JOINT_MM = 1e-4
 """Ends of neighbouring faces' profiles that lie closer are one point; CAD programs sew faces this far apart."""
 
+ROUND_MM = 0.02
+"""CAD kernels write fillets as splines that are round, and meet their neighbours, only to about this."""
+
 APPROXIMATION_MM = 1e-6
 """Largest distance between a profile of degree above 3 and the cubics that stand for it."""
 
 
-def face_profiles(faces: Iterable[Part.Face]) -> list[np.ndarray | None]:
+def face_profiles(faces: Iterable[Part.Face], round_mm: float = REVOLVED_MM) -> list[np.ndarray | None]:
     """Return each face's profile (n, 4, 3) in the half-plane of the z axis, None where it is not turned about z.
 
-    Lines, circular arcs and splines up to degree 3 are exact; higher degrees are within `APPROXIMATION_MM`.
+    Lines, circular arcs and splines up to degree 3 are exact; higher degrees are within `APPROXIMATION_MM`. Splines
+    whose radii differ around the axis by less than `round_mm` count as turned.
     """
-    return [_face_profile(face) for face in faces]
+    return [_face_profile(face, round_mm) for face in faces]
 
 
-def chain(profiles: list[np.ndarray | None]) -> np.ndarray | None:
+def chain(profiles: list[np.ndarray | None], joint_mm: float = JOINT_MM) -> np.ndarray | None:
     """Return the profiles (each (n, 4, 3)) joined from the lowest point on the axis to the highest, or None.
 
-    Profiles of partial faces that repeat each other are taken once; those that lead nowhere are left out.
+    Profiles of partial faces that repeat each other are taken once; those that lead nowhere are left out. Ends that lie
+    closer than `joint_mm` are one point.
     """
     pieces = _distinct([profile for profile in profiles if profile is not None])
     if not pieces:
@@ -39,14 +45,14 @@ def chain(profiles: list[np.ndarray | None]) -> np.ndarray | None:
         return None
     _, first, side = min(on_axis)
     top = max(on_axis)[0]
-    path = _walk(ends, first, side, top)
+    path = _walk(ends, first, side, top, joint_mm)
     if path is None:
         return None
     joined = [pieces[k] if side == 0 else pieces[k][::-1, ::-1] for k, side in path]
     return _snapped(joined)
 
 
-def _walk(ends: np.ndarray, first: int, side: int, top: float) -> list[tuple[int, int]] | None:
+def _walk(ends: np.ndarray, first: int, side: int, top: float, joint_mm: float) -> list[tuple[int, int]] | None:
     stack = [[(first, side)]]
     while stack:
         path = stack.pop()
@@ -55,7 +61,7 @@ def _walk(ends: np.ndarray, first: int, side: int, top: float) -> list[tuple[int
         if here[0] < JOINT_MM and abs(here[1] - top) < JOINT_MM:
             return path
         used = {k for k, _ in path}
-        near = np.abs(ends - here).max(axis=2) < JOINT_MM
+        near = np.abs(ends - here).max(axis=2) < joint_mm
         stack += [[*path, (int(k), int(s))] for k, s in np.argwhere(near) if int(k) not in used]
     return None
 
@@ -105,16 +111,16 @@ def flattened(segments: np.ndarray, spacing_mm: float) -> np.ndarray:
     return np.concatenate([*pieces, segments[-1:, 3, :2]])
 
 
-def _face_profile(face: Part.Face) -> np.ndarray | None:
+def _face_profile(face: Part.Face, round_mm: float) -> np.ndarray | None:
     make: dict[str, Callable[[Part.Face], np.ndarray | None]] = {
-        "Plane": _plane,
+        "Plane": partial(_plane, round_mm=round_mm),
         "Cylinder": _ruled,
         "Cone": _ruled,
         "Toroid": _torus,
         "Sphere": _sphere,
         "SurfaceOfRevolution": _revolution,
-        "BSplineSurface": _spline_surface,
-        "BezierSurface": _spline_surface,
+        "BSplineSurface": partial(_spline_surface, round_mm=round_mm),
+        "BezierSurface": partial(_spline_surface, round_mm=round_mm),
     }
     kind = "Plane" if face.Surface.isPlanar() else type(face.Surface).__name__
     profile = make[kind](face) if kind in make else None
@@ -134,7 +140,7 @@ def _radius_height(point: FreeCAD.Vector) -> tuple[float, float]:
     return float(np.hypot(point.x, point.y)), float(point.z)
 
 
-def _plane(face: Part.Face) -> np.ndarray | None:
+def _plane(face: Part.Face, round_mm: float) -> np.ndarray | None:
     axis = face.findPlane().Axis
     if np.hypot(axis.x, axis.y) * _reach(face) > REVOLVED_MM:
         return None
@@ -142,7 +148,7 @@ def _plane(face: Part.Face) -> np.ndarray | None:
     for edge in face.Edges:
         low, high = edge.ParameterRange
         ring = [_radius_height(edge.valueAt(low + share * (high - low)))[0] for share in (0.0, 0.3, 0.6, 1.0)]
-        if np.ptp(ring) < REVOLVED_MM:
+        if np.ptp(ring) < round_mm:
             radii.append(float(edge.Curve.Radius) if type(edge.Curve).__name__ == "Circle" else ring[0])
         elif not _is_radial(edge):
             return None
@@ -194,16 +200,16 @@ def _revolution(face: Part.Face) -> np.ndarray | None:
     return _curve_profile(surface.uIso(u), low, high)
 
 
-def _spline_surface(face: Part.Face) -> np.ndarray | None:
+def _spline_surface(face: Part.Face, round_mm: float) -> np.ndarray | None:
     u0, u1, v0, v1 = face.ParameterRange
     surface = face.Surface
     shares = np.linspace(0.0, 1.0, 9)
     grid = np.array(
         [[_radius_height(surface.value(u0 + s * (u1 - u0), v0 + t * (v1 - v0))) for t in shares] for s in shares]
     )
-    if np.ptp(grid, axis=0).max() < REVOLVED_MM:
+    if np.ptp(grid, axis=0).max() < round_mm:
         return _curve_profile(surface.uIso(u0), v0, v1)
-    if np.ptp(grid, axis=1).max() < REVOLVED_MM:
+    if np.ptp(grid, axis=1).max() < round_mm:
         return _curve_profile(surface.vIso(v0), u0, u1)
     return None
 

@@ -17,7 +17,7 @@ from glassworkbench.mold.measures import (
     mesh_of,
     signed_volume,
 )
-from glassworkbench.mold.meridian import chain, face_profiles, flattened
+from glassworkbench.mold.meridian import ROUND_MM, chain, face_profiles, flattened
 from glassworkbench.mold.outer_shape import outer_shape, outer_shape_within_crest
 from glassworkbench.mold.placing import moved, placement_of
 from glassworkbench.mold.surveying import survey
@@ -136,6 +136,8 @@ def mold_from_shape(
     upright = moved(solid, np.linalg.inv(placement))
     profiles = face_profiles(upright.Faces)
     core = chain(profiles)
+    if core is None:
+        core = chain(face_profiles(upright.Faces, ROUND_MM), ROUND_MM)
     anatomy = survey(standing, placement, to_upright(vertices, standing), triangles, profiles, core)
     return Mold(solid, upright, placement, anatomy, name, core=core, repairs=tuple(repairs))
 

@@ -159,9 +159,11 @@ def outside_of_mesh(
     # The upper flank of a thread near the mouth leans inward, too.
     keep = ~mouth & (embossed | ~_lip(mesh, finish_height_mm))
     corners, normals, face = mesh.vertices_mm[mesh.triangles[keep]], mesh.normals[mesh.triangles[keep]], faces[keep]
-    corners, normals, thickness, face, origin = _refined(corners, normals, face, thickness_at)
+    thickness = _at_corners(corners, face, thickness_at)
     top = finish_height_mm + 2.0 * float(thickness.max()) + LIP_ZONE_MM
+    # Halved triangles have free edges that are no rim.
     collar, collar_normals, collar_thickness = _collar(corners, normals, thickness, finish_height_mm, top)
+    corners, normals, thickness, face, origin = _refined(corners, normals, face, thickness_at)
     return Outside(
         np.concatenate([corners, collar]),
         np.concatenate([normals, collar_normals]),
@@ -171,6 +173,10 @@ def outside_of_mesh(
         finish_height_mm,
         np.concatenate([embossed[keep][origin], np.zeros(len(collar), dtype=bool)]),
     )
+
+
+def _at_corners(corners: np.ndarray, faces: np.ndarray, thickness_at: ThicknessAt) -> np.ndarray:
+    return np.stack([thickness_at(corners[:, k], faces) for k in range(3)], axis=1)
 
 
 def _lip(mesh: Mesh, finish_height_mm: float) -> np.ndarray:
@@ -188,7 +194,7 @@ def _refined(
 
     Returns corners, normals, thickness, faces, and which of the given triangles each is a part of.
     """
-    thickness = np.stack([thickness_at(corners[:, k], faces) for k in range(3)], axis=1)
+    thickness = _at_corners(corners, faces, thickness_at)
     origin = np.arange(len(corners))
     done: list[tuple[np.ndarray, ...]] = []
     while len(corners):

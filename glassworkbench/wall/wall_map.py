@@ -14,7 +14,7 @@ from glassworkbench.wall.measure import points_on_wall, wall_at
 from glassworkbench.wall.outside import Outside, halved
 from glassworkbench.wall.surface import facets
 
-DEVIATION_MM = 0.1
+DEVIATION_MM = 0.05
 """Of the triangles that carry the colours."""
 
 SIDE_SHARE = 0.012

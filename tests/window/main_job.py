@@ -100,6 +100,11 @@ def main_job(facts):
     facts["transparency"] = container.ViewObject.Transparency
     facts["undo_after_glass"] = document.UndoNames
 
+    container.ViewObject.DisplayMode = "Wall"
+    FreeCADGui.activeDocument().activeView().fitAll()
+    FreeCADGui.activeDocument().activeView().saveImage(str(FOLDER / "wall.png"), 300, 400, "White")
+    container.ViewObject.DisplayMode = "Flat Lines"
+
     select(container)
     FreeCADGui.runCommand("Glass_Render")
     yield lambda: task_panel_button("Ok")
