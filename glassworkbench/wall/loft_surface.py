@@ -10,10 +10,10 @@ import numpy as np
 from glassworkbench.freecad import FreeCAD, Part
 from glassworkbench.scene import Mesh
 
-CREASE = np.radians(35.0)
+CREASE = np.radians(60.0)
 """Where the grid turns by more than this at a point, the surface has a crease there, rounded within the grid."""
 
-CREASE_TANGENT = 0.25
+CREASE_TANGENT = 0.6
 """At a crease the tangent is shortened to this share, so that the surface stays close to the crease's sides."""
 
 REACH = 20

@@ -40,7 +40,7 @@ THIN_SHARE = 0.03
 OFF_SHARE = 0.003
 """Share of the surface that may be off by more than the tolerance, at creases."""
 
-SHORTEST_SHARE = 0.03
+SHORTEST_SHARE = 0.05
 """No span of the grid is halved that is shorter everywhere than this share of the thinnest wall."""
 
 TURN_RAD, LONGEST_MM, SHORTEST_MM = np.radians(3.0), 4.0, 0.4
