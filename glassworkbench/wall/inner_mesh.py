@@ -11,18 +11,21 @@ import time
 import numpy as np
 
 from glassworkbench.errors import GlassWorkbenchError
+from glassworkbench.freecad import Part
 from glassworkbench.mold import Mold
 from glassworkbench.scene import Mesh
 from glassworkbench.wall.asked import AskedThickness
 from glassworkbench.wall.candidate import Candidate
 from glassworkbench.wall.cavity_nodes import cavity_nodes, without_border
 from glassworkbench.wall.dual_surface import without_ambiguity
+from glassworkbench.wall.faceted import faceted_solid, fewer_facets
 from glassworkbench.wall.level_mesh import level_mesh
 from glassworkbench.wall.level_set import sampled
 from glassworkbench.wall.lids import PAST_MOUTH_MM, lifted
 from glassworkbench.wall.narrow import no_room
 from glassworkbench.wall.outside import Outside
 from glassworkbench.wall.room import Room
+from glassworkbench.wall.worker import run_in_worker
 
 TOLERANCE_SHARE, TOLERANCE_MM = 0.01, 0.01
 """No side of a triangle is farther from the surface than this share of the thinnest wall, or this."""
@@ -36,7 +39,7 @@ COARSEST_SHARE = 1.2
 SEARCHES = 8.0
 """Searches for nearest points that one square step of the outside takes in all."""
 
-TIME_SHARE = 0.6
+TIME_SHARE = 0.5
 """The share of the time given that is planned for, as the machine may have other work."""
 
 PILOT = 500
@@ -61,9 +64,31 @@ def inner_mesh(mold: Mold, asked: AskedThickness, wall: Outside, seconds: float)
     GlassWorkbenchError
         If the time is too short for a grid that tells the two sides of the wall apart.
     """
+    begin = time.monotonic()
     deviation = max(TOLERANCE_SHARE * asked.minimum_mm, TOLERANCE_MM)
     inside, notes = cavity_mesh(mold, asked, wall, _step(wall, asked, seconds), deviation)
-    return Candidate(None, lifted(inside, wall.finish_height_mm, PAST_MOUTH_MM), inside, notes)
+    solid, told = _solid(mold, wall, inside, seconds - (time.monotonic() - begin))
+    return Candidate(solid, lifted(inside, wall.finish_height_mm, PAST_MOUTH_MM), inside, (*notes, told))
+
+
+def _solid(mold: Mold, wall: Outside, inside: Mesh, seconds: float) -> tuple[Part.Shape | None, str]:
+    """Return the solid with a faceted inside, if it can be made, and how good it is or why there is none."""
+    only_mesh = "so it can be saved as STL only"
+    if mold.upright is None:
+        return None, f"the mold is a mesh, {only_mesh}"
+    points, triangles = fewer_facets(inside, wall.finish_height_mm)
+    arguments = {
+        "finish_face": mold.anatomy.finish_face,
+        "points": points.tolist(),
+        "triangles": triangles.tolist(),
+    }
+    try:
+        (solid,) = run_in_worker(faceted_solid, [mold.upright], arguments, seconds)
+    except GlassWorkbenchError as error:
+        return None, f"no solid could be made of the mesh ({error}), {only_mesh}"
+    middles = points[triangles].mean(axis=1)
+    off = float(np.abs(wall.clearance(middles).clearance_mm).max())
+    return solid, f"the solid's inside has {len(triangles)} flat facets, up to {off:.2g} mm off the smooth one"
 
 
 def cavity_mesh(

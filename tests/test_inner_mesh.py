@@ -1,0 +1,140 @@
+"""The inside as a level set: against closed forms, where faces vanish and walls merge, and CAD against mesh."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from mesh_checks import crossings, euler_characteristic, facets_and_normals_agree
+from meshed_molds import as_mesh, ball_bottomed, cells_mesh, mesh_mold, uniform
+
+from glassworkbench.errors import GlassWorkbenchError, InputError
+from glassworkbench.freecad import FreeCAD, Part
+from glassworkbench.mold import read_mold, tessellate
+from glassworkbench.mold.mold import mold_from_shape
+from glassworkbench.wall.asked import AskedThickness
+from glassworkbench.wall.inner_mesh import cavity_mesh, inner_mesh
+from glassworkbench.wall.measure import mesh_volume
+from glassworkbench.wall.outside import outside
+
+EXAMPLES = Path(__file__).resolve().parent.parent / "examples" / "molds"
+
+
+def hollowed(mold, thickness, step=2.0):
+    """The cavity's mesh, its notes, and the outside it keeps its distance from."""
+    at = uniform(thickness)
+    wall = outside(mold, at)
+    mesh, notes = cavity_mesh(mold, AskedThickness(at, thickness, thickness), wall, step, 0.01 * thickness)
+    return mesh, notes, wall
+
+
+def off_the_wall(mesh, wall, samples=3000):
+    """|clearance| and distance of points spread over the mesh by area, its lid left out."""
+    random = np.random.default_rng(5)
+    corners = mesh.vertices_mm[mesh.triangles]
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    points = np.einsum(
+        "ij,ijk->ik",
+        random.dirichlet([1.0, 1.0, 1.0], samples),
+        corners[random.choice(len(area), samples, p=area / area.sum())],
+    )
+    points = points[points[:, 2] < wall.finish_height_mm - 1e-6]
+    return np.abs(wall.clearance(points).clearance_mm), wall.distance(points).distance_mm
+
+
+def test_a_ball_bottomed_cylinder_keeps_its_shape():
+    mesh, notes, _ = hollowed(mesh_mold(ball_bottomed(20.0, 50.0)), 3.0)
+    r, z = np.hypot(*mesh.vertices_mm[:, :2].T), mesh.vertices_mm[:, 2]
+    side, lid = (z > 20.0) & (z < 50.0), z == 50.0
+    assert np.abs(np.hypot(r, z - 20.0)[z < 20.0] - 17.0).max() < 5e-3
+    assert np.abs(r[side] - 17.0).max() < 5e-3
+    assert lid.any()
+    assert z.max() == 50.0
+    expected = np.pi * 17.0**2 * 30.0 + 2.0 / 3.0 * np.pi * 17.0**3
+    assert mesh_volume(mesh).volume_mm3 == pytest.approx(expected, rel=1e-3)
+    assert euler_characteristic(mesh) == 2
+    assert not notes
+
+
+def test_a_box_keeps_sharp_edges_and_corners():
+    mesh, _, _ = hollowed(mesh_mold(cells_mesh([-20, 20], [-15, 15], [0, 60], [[[1]]])), 5.0, step=3.0)
+    assert mesh_volume(mesh).volume_mm3 == pytest.approx(30 * 20 * 55, rel=1e-4)
+    for corner in ([15, 10, 5], [-15, -10, 5], [15, -10, 60]):
+        assert np.linalg.norm(mesh.vertices_mm - corner, axis=1).min() < 1e-3
+    assert euler_characteristic(mesh) == 2
+    assert crossings(mesh) == 0
+    assert facets_and_normals_agree(mesh) > 0.99
+
+
+@pytest.mark.parametrize(("thickness", "floor"), [(4.0, 4.0), (11.0, 10.0 + np.sqrt(11.0**2 - 10.0**2))])
+def test_the_bottom_of_a_step_vanishes_when_the_wall_is_thick(thickness, floor):
+    """Between side walls 20 mm apart the foot is solid; the floor then rests on circles about the step's edges."""
+    full = np.zeros((3, 1, 2), dtype=bool)
+    full[1], full[:, :, 1] = True, True
+    mesh, _, wall = hollowed(mesh_mold(cells_mesh([-20, -10, 10, 20], [-30, 30], [0, 10, 60], full)), thickness)
+    middle = mesh.vertices_mm[np.abs(mesh.vertices_mm[:, 0]) < 0.6]
+    assert middle[:, 2].min() == pytest.approx(floor, abs=0.06)
+    off, distance = off_the_wall(mesh, wall)
+    assert np.percentile(off, 99) < 0.02 * thickness
+    assert distance.min() > 0.95 * thickness
+    assert euler_characteristic(mesh) == 2
+    assert crossings(mesh) == 0
+
+
+@pytest.mark.parametrize(("thickness", "reaches"), [(2.0, 38.0), (3.0, 7.0)])
+def test_a_thin_web_between_two_boxes_is_hollow_or_solid(thickness, reaches):
+    full = np.zeros((3, 3, 2), dtype=bool)
+    full[0], full[1, 1, 0], full[2, :, 0] = True, True, True
+    xs, ys, zs = [-10, 10, 20, 40], [-10, -2.5, 2.5, 10], [0, 20, 40]
+    mesh, notes, wall = hollowed(mesh_mold(cells_mesh(xs, ys, zs, full)), thickness, step=1.0)
+    assert mesh.vertices_mm[:, 0].max() == pytest.approx(reaches, abs=1e-3)
+    assert bool(notes) == (thickness > 2.5)
+    off, distance = off_the_wall(mesh, wall)
+    assert np.percentile(off, 99) < 0.02 * thickness
+    assert distance.min() > 0.95 * thickness
+    assert euler_characteristic(mesh) == 2
+
+
+def test_a_wall_without_room_is_refused_with_place_and_remedy():
+    mold = mesh_mold(cells_mesh([-20, -8, 8, 20], [-20, -8, 8, 20], [0, 50, 90], _bottle()))
+    with pytest.raises(InputError, match=r"10 mm fill the container at height [5-8]\d\.\d mm, .* 8\.0\d mm fits"):
+        hollowed(mold, 10.0)
+    with pytest.raises(InputError, match="fill the container"):
+        hollowed(mold, 30.0)
+
+
+def _bottle():
+    full = np.zeros((3, 3, 2), dtype=bool)
+    full[:, :, 0], full[1, 1, 1] = True, True
+    return full
+
+
+def test_a_flask_as_mesh_gets_the_inside_of_the_flask_as_cad():
+    mold = read_mold(EXAMPLES / "perfume_flacon.step")
+    meshed = as_mesh(mold, tessellate(mold.upright, 0.02))
+    inside, _, wall = hollowed(mold, 2.0, step=1.6)
+    of_mesh, _, _ = hollowed(meshed, 2.0, step=1.6)
+    off, distance = off_the_wall(of_mesh, wall)
+    assert np.percentile(off, 99) < 0.04
+    assert distance.min() > 0.95 * 2.0
+    assert mesh_volume(of_mesh).volume_mm3 == pytest.approx(mesh_volume(inside).volume_mm3, rel=1e-3)
+    assert euler_characteristic(of_mesh) == euler_characteristic(inside) == 2
+
+
+def test_the_candidate_of_a_solid_has_a_solid_and_reaches_past_the_mouth():
+    box = mold_from_shape(Part.makeBox(40, 30, 60, FreeCAD.Vector(-20, -15, 0)), "box", axis=(0, 0, 1), up=(0, 0, 1))
+    at = uniform(5.0)
+    made = inner_mesh(box, AskedThickness(at, 5.0, 5.0), outside(box, at), 60.0)
+    assert made.solid.isValid()
+    glass = mesh_volume(tessellate(made.solid, 0.05)).volume_mm3
+    assert glass == pytest.approx(40 * 30 * 60 - 30 * 20 * 55, rel=1e-3)
+    assert made.cavity.vertices_mm[:, 2].max() == 65.0
+    assert mesh_volume(made.cavity).volume_mm3 == pytest.approx(30 * 20 * 60, rel=1e-4)
+    assert euler_characteristic(made.cavity) == 2
+    assert "facets" in made.notes[-1]
+
+
+def test_too_little_time_is_told_before_any_is_spent():
+    mold = mesh_mold(cells_mesh([-20, 20], [-15, 15], [0, 60], [[[1]]]))
+    at = uniform(0.2)
+    with pytest.raises(GlassWorkbenchError, match="needs a grid that takes about"):
+        inner_mesh(mold, AskedThickness(at, 0.2, 0.2), outside(mold, at), 1e-3)
