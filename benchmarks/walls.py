@@ -57,7 +57,7 @@ def wall_of(mold: object, name: str) -> object:
 
 def run(mold_name: str, wall_name: str, method: str, seconds: float) -> dict:
     """Run one case in a process of its own and return its line."""
-    case = {"mold": mold_name, "wall": wall_name, "method": method}
+    case = {"mold": mold_name, "wall": wall_name, "method_asked": method}
     words = [sys.executable, __file__, "--case", mold_name, wall_name, method, "--seconds", str(seconds)]
     start = time.perf_counter()
     try:
@@ -95,7 +95,7 @@ def cell(line: dict | None) -> str:
         return ""
     if line["outcome"] != "right":
         return line["outcome"]
-    by = f"{line['method']} " if line["method"] != line.get("asked_method") and line.get("auto") else ""
+    by = f"{line['method']} " if line["method_asked"] == "auto" else ""
     return f"{by}{line['wall']['deviation_p99_mm']:.3f} mm {line['seconds']:.1f} s"
 
 
@@ -150,11 +150,10 @@ def main() -> int:
     ]
     with ThreadPoolExecutor(options.jobs) as pool, RESULTS.open("a") as file:
         for case, line in zip(cases, pool.map(lambda case: run(*case, options.seconds), cases), strict=True):
-            line["method_asked"] = case[2]
             kept.append(line)
             file.write(json.dumps(line) + "\n")
             file.flush()
-            print(f"{case[0]}, {case[1]}, {case[2]}: {line['outcome']}", file=sys.stderr, flush=True)
+            print(f"{case[0]}, {case[1]}, {case[2]}: {cell(line)}", file=sys.stderr, flush=True)
     show([line for line in kept if line["mold"] in chosen and line["wall"] in options.walls], options.methods)
     return 0
 

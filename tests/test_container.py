@@ -111,7 +111,7 @@ def test_the_report_has_the_documented_keys(cylinder):
     report = json.loads(json.dumps(hollow(cylinder, "0:3 120:2").report.to_json()))
     assert set(report) == {
         *("method", "tried", "wall", "solid", "glass_volume_mm3", "weight_g", "brimful_ml"),
-        *("centre_of_gravity_mm", "centre_of_gravity_filled_mm", "surface_area_mm2", "seconds"),
+        *("centre_of_gravity_mm", "centre_of_gravity_filled_mm", "surface_area_mm2", "seconds", "notes"),
     }
     assert set(report["tried"][0]) == {"method", "outcome", "why", "seconds"}
     wall = {"asked", "samples", "min_mm", "min_at_mm", "deviation_max_mm", "deviation_p99_mm", "deviation_rms_mm"}

@@ -52,7 +52,7 @@ def test_in_a_box_the_round_inside_is_the_cylinder_that_fits():
 
 
 def test_a_wall_that_fills_the_mouth_is_refused():
-    with pytest.raises(InputError, match="where less than 20.0"):
+    with pytest.raises(InputError, match=r"where less than 20\.0"):
         made(box(), 21.0)
 
 

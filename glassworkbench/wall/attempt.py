@@ -17,10 +17,10 @@ from glassworkbench.wall.csg import csg
 from glassworkbench.wall.inner_mesh import inner_mesh
 from glassworkbench.wall.lofted import lofted
 from glassworkbench.wall.measure import WallMeasure, in_finish_plane, measure_wall
-from glassworkbench.wall.outside import Outside, is_mouth, outside
+from glassworkbench.wall.outside import DEVIATION_MM, Outside, is_mouth, outside
 from glassworkbench.wall.revolved import revolved
 from glassworkbench.wall.scaled import scaled, scaled_per_axis
-from glassworkbench.wall.self_intersection import self_intersections
+from glassworkbench.wall.self_intersection import intersections, self_intersections
 from glassworkbench.wall.surface import surface_area
 from glassworkbench.wall.thick_solid import thick_solid
 from glassworkbench.wall.thickness import Thickness
@@ -44,6 +44,9 @@ VOLUME_SHARE = 0.005
 
 MESH_DEVIATION_MM = 0.05
 """Deviation of the meshes that volumes are taken from, which make up for their facets."""
+
+DEVIATION_SHARE = 0.02
+"""The outside's triangles keep this close to it, as a share of the thinnest wall, where that is closer than usual."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,13 +87,13 @@ def attempt(mold: Mold, thickness: Thickness, method: str, tolerance_mm: float, 
         If the method fails.
     """
     asked = thickness.on(mold)
-    wall = outside(mold, asked.at)
+    wall = outside(mold, asked.at, min(DEVIATION_MM, DEVIATION_SHARE * asked.minimum_mm))
     candidate = MAKERS[method](mold, asked, wall, seconds)
     measured = measure_wall(candidate.inside, wall, stem_top_mm=mold.anatomy.stem_top_mm)
     capacity = _capacity(candidate)
     outer, faces = outside_mesh(mold, MESH_DEVIATION_MM)
     glass = _outer_volume(mold, outer).minus(capacity)
-    solid = _facts(candidate)
+    solid = _facts(candidate, outer)
     return Attempted(
         candidate,
         measured,
@@ -115,8 +118,8 @@ def _outer_volume(mold: Mold, outer: Mesh) -> Volume:
     return mesh_volume(outer)
 
 
-def _facts(candidate: Candidate) -> SolidFacts:
-    crossing = len(self_intersections(candidate.inside)) > 0
+def _facts(candidate: Candidate, outer: Mesh) -> SolidFacts:
+    crossing = len(self_intersections(candidate.inside)) > 0 or len(intersections(candidate.inside, outer)) > 0
     solid = candidate.solid
     if solid is None:
         return SolidFacts(True, True, crossing, len(candidate.inside.triangles))
@@ -145,7 +148,7 @@ def _fault(
             f"{wall.minimum_mm:.3g} mm, is at height {z:.1f} mm, {angle:.0f} degrees"
         )
     if solid.self_intersecting:
-        return "the inside crosses itself"
+        return "the inside crosses itself or the outside"
     if not (solid.valid and solid.closed):
         return "OCC calls the solid invalid or open"
     if candidate.solid is not None:
