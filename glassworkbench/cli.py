@@ -213,10 +213,13 @@ def _short(value: object) -> str:
 
 
 def _prepare_hollow(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("mold", metavar="MOLD", help="STEP, IGES, BREP or FCStd file of the container's outer shape")
+    parser.add_argument(
+        "mold", metavar="MOLD", help="the container's outer shape: STEP, IGES, BREP, FCStd, or a mesh (STL, OBJ, PLY)"
+    )
     _add_wall_options(parser, required=True)
     parser.add_argument("--tolerance", type=float, metavar="MM", help="how far the wall may be from what was asked")
     parser.add_argument("--seconds", type=float, default=120.0, metavar="S", help="time for all methods (120)")
+    parser.add_argument("--best", action="store_true", help="take the best result where none is within the tolerance")
     parser.add_argument(
         "-o", "--output", required=True, metavar="OUT", help="the ending decides: .step .brep .FCStd .stl"
     )
@@ -237,7 +240,7 @@ def _hollow(options: argparse.Namespace) -> None:
     _check_files(options, outputs)
     _check_positive(options, "scale", "finish_height", "tolerance", "seconds")
     fill = None if options.fill_point is None else _quantity(options.fill_point)
-    container = _container(options, tolerance_mm=options.tolerance, seconds=options.seconds)
+    container = _hollowed(options)
     report = container.report.to_json() | {"input": _input(options.mold), "version": __version__}
     if fill is not None:
         number, unit = fill
@@ -247,6 +250,19 @@ def _hollow(options: argparse.Namespace) -> None:
     if options.map is not None:
         container.save_map(options.map)
     _answer(options, report, f"{', '.join(map(str, outputs))}: {_told_of_wall(report)}")
+
+
+def _hollowed(options: argparse.Namespace) -> object:
+    """Return the container; where no method makes it, leave a report of what was tried all the same."""
+    from glassworkbench.wall import HollowingError
+
+    try:
+        return _container(options, tolerance_mm=options.tolerance, seconds=options.seconds, accept_best=options.best)
+    except HollowingError as error:
+        if options.report is not None:
+            tried = [attempt.to_json() for attempt in error.tried]
+            _write_report(options.report, {"method": None, "tried": tried, "input": _input(options.mold)})
+        raise
 
 
 def _quantity(text: str) -> tuple[float, str]:
@@ -549,12 +565,16 @@ def _check_positive(options: argparse.Namespace, *names: str) -> None:
 
 def _answer(options: argparse.Namespace, report: Mapping, sentence: str) -> None:
     if options.report is not None:
-        with written_aside(options.report) as aside:
-            aside.write_text(_json(report) + "\n", encoding="utf-8")
+        _write_report(options.report, report)
     if options.json:
         print(_json(report))
     elif not options.quiet:
         print(sentence)
+
+
+def _write_report(path: str, report: Mapping) -> None:
+    with written_aside(path) as aside:
+        aside.write_text(_json(report) + "\n", encoding="utf-8")
 
 
 def _input(path: str) -> dict[str, str]:

@@ -1,6 +1,6 @@
 """From a mold and a thickness to a hollow container, measured; and containers that are hollow already."""
 
-from glassworkbench.wall.choose import METHODS, hollow
+from glassworkbench.wall.choose import METHODS, HollowingError, hollow
 from glassworkbench.wall.container import Container, WallReport
 from glassworkbench.wall.existing import container_from_shape, read_container
 from glassworkbench.wall.thickness import (
@@ -20,6 +20,7 @@ __all__ = [
     "Container",
     "FaceThickness",
     "GridThickness",
+    "HollowingError",
     "RegionalThickness",
     "TabulatedThickness",
     "Thickness",

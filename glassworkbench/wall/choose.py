@@ -41,6 +41,14 @@ MESHED = (Rung("lofted", 0.4), Rung("inner_mesh", 1.0))
 """The ladders: for (nearly) round molds, for others with a wall that is the same everywhere or not, for meshes."""
 
 
+class HollowingError(GlassWorkbenchError):
+    """No method gave the wall asked; `tried` (of Attempt) tells how each fared."""
+
+    def __init__(self, tried: tuple[Attempt, ...], message: str) -> None:
+        super().__init__(message)
+        self.tried = tried
+
+
 def hollow(
     mold: Mold,
     thickness: Thickness | str | float,
@@ -48,6 +56,7 @@ def hollow(
     method: str = "auto",
     tolerance_mm: float | None = None,
     seconds: float = 120.0,
+    accept_best: bool = False,
 ) -> Container:
     """Return the container that a mold makes with a given wall.
 
@@ -63,12 +72,14 @@ def hollow(
         if not given.
     seconds : float
         Time for all methods together. Each runs in a process of its own, which is stopped when its share is over.
+    accept_best : bool
+        Where no result is good enough, return the one with the smallest deviation; the report's notes say so.
 
     Raises
     ------
     InputError
         If the wall cannot be, or does not fit into the mold, or the method is unknown.
-    GlassWorkbenchError
+    HollowingError
         If no method's result is good enough; the message says what was tried.
     """
     start = time.monotonic()
@@ -85,6 +96,7 @@ def hollow(
     limit = positive(seconds, "seconds")
     attempts: list[Attempt] = []
     impossible: list[InputError] = []
+    rejected: list[tuple[str, Attempted]] = []
     for rung in ladder(mold, asked) if method == "auto" else (Rung(method, 1.0),):
         begin = time.monotonic()
         share = rung.share * (limit - (begin - start))
@@ -92,6 +104,7 @@ def hollow(
         try:
             attempted = run_in_worker(attempt, (mold, thickness, rung.method, tolerance, share), {}, share)
             outcome, why = ("rejected", attempted.fault) if attempted.fault else ("accepted", "")
+            rejected.append((rung.method, attempted))
         except InputError as error:
             outcome, why = "impossible", str(error)
             impossible.append(error)
@@ -102,12 +115,16 @@ def hollow(
             return _container(mold, thickness, rung.method, attempted, attempts, tolerance, time.monotonic() - start)
         if outcome == "impossible" and rung.method == "revolved":
             break
+    if rejected and accept_best:
+        name, best = min(rejected, key=lambda made: made[1].wall.deviation_p99_mm)
+        return _container(mold, thickness, name, best, attempts, tolerance, time.monotonic() - start)
     if impossible:
         raise impossible[-1]
     story = "; ".join(f"{made.method}: {made.why.removeprefix(f'{made.method}: ')}" for made in attempts)
-    raise GlassWorkbenchError(
+    raise HollowingError(
+        tuple(attempts),
         f"{mold.name}: no method gives a wall of {thickness} mm within {tolerance:.3g} mm ({story}); "
-        "ask for another wall, a larger tolerance or more time"
+        "ask for another wall, a larger tolerance or more time, or take the best there is (--best, accept_best=True)",
     )
 
 
@@ -172,7 +189,11 @@ def _container(
         area_outside_mm2=attempted.area_outside_mm2,
         area_inside_mm2=attempted.area_inside_mm2,
         seconds=seconds,
-        notes=(*mold.repairs, *candidate.notes),
+        notes=(
+            *mold.repairs,
+            *candidate.notes,
+            *([f"not as asked: {attempted.fault}"] if attempted.fault else []),
+        ),
     )
     return Container(mold, thickness, method, solid, candidate.cavity, candidate.inside, report)
 

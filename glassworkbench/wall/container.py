@@ -31,12 +31,21 @@ MAXIMUM_TRIANGLES = 400_000
 
 @dataclass(frozen=True)
 class Attempt:
-    """How one method fared: its outcome is accepted, rejected (measured, but not good enough), failed or unsuitable."""
+    """How one method fared: accepted, rejected (measured, but not good enough), impossible (no such wall) or failed."""
 
     method: str
     outcome: str
     why: str
     seconds: float
+
+    def to_json(self) -> dict[str, object]:
+        """Return the attempt as it stands in a report."""
+        return {
+            "method": self.method,
+            "outcome": self.outcome,
+            "why": self.why,
+            "seconds": round(self.seconds, 3),
+        }
 
 
 @dataclass(frozen=True)
@@ -97,15 +106,7 @@ class WallReport:
         """Return the report as plain dictionaries, lists, strings and numbers."""
         return {
             "method": self.method,
-            "tried": [
-                {
-                    "method": attempt.method,
-                    "outcome": attempt.outcome,
-                    "why": attempt.why,
-                    "seconds": round(attempt.seconds, 3),
-                }
-                for attempt in self.tried
-            ],
+            "tried": [attempt.to_json() for attempt in self.tried],
             "wall": {
                 "asked": self.asked,
                 "samples": self.wall.samples,
