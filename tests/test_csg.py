@@ -13,8 +13,8 @@ from glassworkbench.scene import ContainerGeometry, Ellipsoid, Revolved
 from glassworkbench.wall.asked import AskedThickness
 from glassworkbench.wall.bezier import line
 from glassworkbench.wall.csg import csg, csg_with
-from glassworkbench.wall.measure import mesh_volume
 from glassworkbench.wall.outside import outside
+from glassworkbench.wall.volumes import mesh_volume
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "examples" / "molds"
 

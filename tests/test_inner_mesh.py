@@ -13,8 +13,8 @@ from glassworkbench.mold import read_mold, tessellate
 from glassworkbench.mold.mold import mold_from_shape
 from glassworkbench.wall.asked import AskedThickness
 from glassworkbench.wall.inner_mesh import cavity_mesh, inner_mesh
-from glassworkbench.wall.measure import mesh_volume
 from glassworkbench.wall.outside import outside
+from glassworkbench.wall.volumes import mesh_volume
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "examples" / "molds"
 

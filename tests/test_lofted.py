@@ -13,8 +13,8 @@ from glassworkbench.wall.asked import AskedThickness
 from glassworkbench.wall.half_planes import aligned
 from glassworkbench.wall.loft_surface import LoftSurface, chord_parameters
 from glassworkbench.wall.lofted import lofted
-from glassworkbench.wall.measure import mesh_volume
 from glassworkbench.wall.outside import outside
+from glassworkbench.wall.volumes import mesh_volume
 
 UP = FreeCAD.Vector(0, 0, 1)
 

@@ -15,7 +15,7 @@ from glassworkbench.wall.outside import outside
 from glassworkbench.wall.profile import wall_meridian
 from glassworkbench.wall.revolved import offset_meridian
 from glassworkbench.wall.solids import revolved_solid
-from glassworkbench.wall.thickness import parse_thickness
+from glassworkbench.wall.thickness_text import parse_thickness
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "examples" / "molds"
 
