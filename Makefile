@@ -1,11 +1,11 @@
 PYTHON ?= /usr/bin/python3
 RUFF_VERSION := 0.17.6
 
-.PHONY: help setup build demo test lint bench compat clean
+.PHONY: help setup build demo test lint bench bench-walls compat clean
 
 help: ## Show this list
 	@echo "make TARGET, where TARGET is one of"
-	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  \1	\2/p' $(MAKEFILE_LIST)
+	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  \1	\2/p' $(MAKEFILE_LIST)
 
 setup: ## Install what this machine lacks (Debian, Ubuntu)
 	@tools/setup.sh
@@ -33,8 +33,12 @@ lint: setup .venv/ruff-$(RUFF_VERSION) ## Check the style of Python and C++
 	@.venv/bin/pip install --disable-pip-version-check ruff==$(RUFF_VERSION)
 	@touch $@
 
-bench: build ## Measure speed and accuracy
-	@for benchmark in benchmarks/*.py; do echo "== $$benchmark"; $(PYTHON) "$$benchmark" || exit 1; done
+bench: build ## Measure the tracer's speed and leaks
+	@for name in leaks patches; do echo "== $$name"; $(PYTHON) benchmarks/$$name.py || exit 1; done
+
+bench-walls: build ## Hollow every mold by every wall and method (hours; goes on where it stopped)
+	@$(PYTHON) benchmarks/walls.py
+	@$(PYTHON) benchmarks/wall_prices.py
 
 compat: build ## Run the tests on FreeCAD 0.20, 1.0 and 1.1, into docs/compat.md
 	@$(PYTHON) tools/compat.py
