@@ -215,6 +215,18 @@ def aligned(curves: Sequence[np.ndarray], finish_mm: float, count: int) -> np.nd
     return grid
 
 
+def bridged(meridians: np.ndarray, hidden: np.ndarray) -> np.ndarray:
+    """Return points (m, n, 2) of n curves, the hidden ones (m, n) led smoothly on from those before and behind."""
+    rows = np.arange(len(meridians), dtype=float)
+    smooth = meridians.copy()
+    for column in np.flatnonzero(hidden[1:-1].any(axis=0)):
+        seen = ~hidden[:, column]
+        seen[[0, -1]] = True
+        for k in range(2):
+            smooth[~seen, column, k] = monotone_cubic(rows[seen], meridians[seen, column, k], rows[~seen])[0]
+    return smooth
+
+
 def _ended(curve: np.ndarray, finish_mm: float) -> np.ndarray:
     before, after = curve[-2], curve[-1]
     share = np.clip((finish_mm - before[1]) / max(after[1] - before[1], 1e-12), 0.0, 1.0)

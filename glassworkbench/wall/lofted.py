@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -10,9 +11,10 @@ import numpy as np
 from glassworkbench.errors import GlassWorkbenchError
 from glassworkbench.freecad import FreeCAD, Part
 from glassworkbench.mold import Mold
+from glassworkbench.spatial import Nearest, NearestTriangles
 from glassworkbench.wall.asked import AskedThickness
 from glassworkbench.wall.candidate import Candidate
-from glassworkbench.wall.half_planes import Clearance, aligned, chosen_angles, floor_height, trace
+from glassworkbench.wall.half_planes import Clearance, aligned, bridged, chosen_angles, floor_height, trace
 from glassworkbench.wall.loft_surface import LoftSurface, chord_parameters
 from glassworkbench.wall.outside import Outside
 from glassworkbench.wall.revolved import PAST_MOUTH_MM
@@ -45,6 +47,9 @@ SHORTEST_SHARE = 0.05
 
 TURN_RAD, LONGEST_MM, SHORTEST_MM = np.radians(3.0), 4.0, 0.4
 """In the mesh each span of the grid is parted until it turns by less than this and is not longer, but no shorter."""
+
+FOOT_MM = 0.02
+"""What lies this close to embossing is the edge of its foot."""
 
 STEM_SLICE_MM, STEM_SECTORS = 0.5, 48
 """A full stem's radius is its smallest this close to its top; a disc of so many sectors closes it."""
@@ -82,10 +87,13 @@ def lofted(mold: Mold, asked: AskedThickness, wall: Outside, seconds: float) -> 
     step = (finish - floor + anatomy.maximum_radius_mm) / STEPS
     meridians = aligned(trace(wall.clearance, angles, floor, finish, step), finish, ROWS)
     across = np.column_stack([np.cos(angles), np.sin(angles)])
-    grid = np.concatenate([meridians[..., :1] * across, meridians[..., 1:]], axis=2)
-    grid[1:-1] = _settled(wall.clearance, grid[1:-1])
-    grid[-1] = _settled(wall.clearance, grid[-1], level=True)
-    surface = _refined(LoftSurface(*chord_parameters(grid), grid), wall.clearance, asked.minimum_mm, end)
+    behind = _behind_embossing(wall)
+    hidden = behind(wall.clearance(_in_space(meridians, across).reshape(-1, 3))).reshape(meridians.shape[:2])
+    grid = _in_space(bridged(meridians, hidden), across)
+    clearance = _blind(wall.clearance, behind)
+    grid[1:-1] = _settled(clearance, grid[1:-1])
+    grid[-1] = _settled(clearance, grid[-1], level=True)
+    surface = _refined(LoftSurface(*chord_parameters(grid), grid), clearance, asked.minimum_mm, end)
     _check_whole(wall, surface, anatomy.stem_top_mm)
     u, v = _mesh_parameters(surface)
     solid = None if mold.upright is None else _solid(mold, surface, end - time.monotonic())
@@ -112,7 +120,34 @@ def _with_full_stem(wall: Outside, asked: AskedThickness, stem_top_mm: float) ->
         ),
         faces=np.concatenate([wall.faces, faces]),
         collar=np.concatenate([wall.collar, np.zeros(STEM_SECTORS, dtype=bool)]),
+        embossed=np.concatenate([wall.embossed, np.zeros(STEM_SECTORS, dtype=bool)]),
     )
+
+
+def _in_space(meridians: np.ndarray, across: np.ndarray) -> np.ndarray:
+    return np.concatenate([meridians[..., :1] * across, meridians[..., 1:]], axis=2)
+
+
+def _behind_embossing(wall: Outside) -> Callable[[Nearest], np.ndarray]:
+    """Return what tells of found outer points whether embossing, or the edge of its foot, is what they lie on.
+
+    Under a thread as wide as the wall is thick the nearest outer points are those on the edge of its foot.
+    """
+    embossing = wall.embossing()
+    if embossing is None:
+        return lambda found: np.zeros(len(found.triangles), dtype=bool)
+    foot = NearestTriangles(embossing.corners_mm, embossing.normals)
+    return lambda found: wall.embossed[found.triangles] | (foot.search(found.feet_mm).distance_mm < FOOT_MM)
+
+
+def _blind(clearance: Clearance, behind: Callable[[Nearest], np.ndarray]) -> Clearance:
+    """Return a clearance that is content with any point behind embossing, so that the surface leads smoothly past."""
+
+    def content(points: np.ndarray) -> Nearest:
+        found = clearance(points)
+        return replace(found, clearance_mm=np.where(behind(found), 0.0, found.clearance_mm))
+
+    return content
 
 
 def _settled(clearance: Clearance, points: np.ndarray, level: bool = False) -> np.ndarray:
@@ -211,7 +246,7 @@ def _parted(knots: np.ndarray, points: np.ndarray, normals: np.ndarray) -> np.nd
 
 def _check_whole(wall: Outside, surface: LoftSurface, stem_top_mm: float) -> None:
     """Raise where the outside lies in the cavity, or the wanted cavity goes on outside the surface."""
-    glass = ~wall.collar & (wall.corners_mm[:, :, 2].max(axis=1) < wall.finish_height_mm)
+    glass = ~wall.collar & ~wall.embossed & (wall.corners_mm[:, :, 2].max(axis=1) < wall.finish_height_mm)
     glass &= wall.corners_mm[:, :, 2].min(axis=1) >= stem_top_mm
     numbers = np.flatnonzero(glass)[:: max(1, int(glass.sum()) // OUTER_POINTS)]
     outer, thickness = wall.corners_mm[numbers].mean(axis=1), wall.thickness_mm[numbers].mean(axis=1)

@@ -27,6 +27,9 @@ LIP_ZONE_MM = 4.0
 LEANING = 0.35
 """A facet whose outward normal rises by more than this is part of a lip's rounding."""
 
+LAND_SHARE = 0.5
+"""However far a lip's rounding reaches, the sealing surface keeps at least this share of the wall."""
+
 LEVEL_MM = 1e-4
 """An edge whose ends are nearer than this, seen from above, carries no collar."""
 
@@ -162,7 +165,14 @@ def outside_of_mesh(
     thickness = _at_corners(corners, face, thickness_at)
     top = finish_height_mm + 2.0 * float(thickness.max()) + LIP_ZONE_MM
     # Halved triangles have free edges that are no rim.
-    collar, collar_normals, collar_thickness = _collar(corners, normals, thickness, finish_height_mm, top)
+    collar, collar_normals, collar_thickness = (
+        np.concatenate(parts)
+        for parts in zip(
+            _collar(corners, normals, thickness, finish_height_mm, top),
+            _land(mesh.vertices_mm[mesh.triangles[mouth]], thickness_at, top),
+            strict=True,
+        )
+    )
     corners, normals, thickness, face, origin = _refined(corners, normals, face, thickness_at)
     return Outside(
         np.concatenate([corners, collar]),
@@ -247,13 +257,7 @@ def _collar(
     corners: np.ndarray, normals: np.ndarray, thickness: np.ndarray, finish_height_mm: float, top_mm: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return upright sheets of triangles over the free edges of the outside near its mouth."""
-    keys = np.round(corners.reshape(-1, 3) * 1e5).astype(np.int64)
-    _, place = np.unique(keys, axis=0, return_inverse=True)
-    place = place.reshape(-1, 3)
-    starts, ends = place.ravel(), np.roll(place, -1, axis=1).ravel()
-    keys = np.minimum(starts, ends) * (place.max() + 1) + np.maximum(starts, ends)
-    _, row, count = np.unique(keys, return_index=True, return_counts=True)
-    number, side = np.divmod(row[count == 1], 3)
+    number, side = _free_sides(corners)
     p, q = corners[number, side], corners[number, (side + 1) % 3]
     zone = min(2.0 * LIP_ZONE_MM, 0.4 * finish_height_mm)
     lowest = np.minimum(p[:, 2], q[:, 2])
@@ -262,6 +266,43 @@ def _collar(
     upright = normals[number, side] * np.array([1.0, 1.0, 0.0]), normals[number, (side + 1) % 3] * [1.0, 1.0, 0.0]
     n, m = (vector / np.maximum(np.linalg.norm(vector, axis=1, keepdims=True), 1e-300) for vector in upright)
     t, s = thickness[number, side], thickness[number, (side + 1) % 3]
+    return _sheets(p, q, (n, m), (t, s), top_mm)
+
+
+def _land(mouth: np.ndarray, thickness_at: ThicknessAt, top_mm: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return upright sheets over the edge of the mouth's plane (m, 3, 3), which keep the sealing surface wide enough.
+
+    Where the lip's rounding reaches far, the bore would come out through it.
+    """
+    number, side = _free_sides(mouth)
+    p, q = mouth[number, side], mouth[number, (side + 1) % 3]
+    along = q - p
+    normal = np.column_stack([along[:, 1], -along[:, 0], np.zeros(len(p))])
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
+    t, s = (LAND_SHARE * thickness_at(points, np.zeros(len(points), dtype=int)) for points in (p, q))
+    return _sheets(p, q, (normal, normal), (t, s), top_mm)
+
+
+def _free_sides(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the triangles (k,) and the sides (k,) of them that no other of the triangles (m, 3, 3) shares."""
+    keys = np.round(corners.reshape(-1, 3) * 1e5).astype(np.int64)
+    _, place = np.unique(keys, axis=0, return_inverse=True)
+    place = place.reshape(-1, 3)
+    starts, ends = place.ravel(), np.roll(place, -1, axis=1).ravel()
+    keys = np.minimum(starts, ends) * (place.max(initial=0) + 1) + np.maximum(starts, ends)
+    _, row, count = np.unique(keys, return_index=True, return_counts=True)
+    return np.divmod(row[count == 1], 3)
+
+
+def _sheets(
+    p: np.ndarray,
+    q: np.ndarray,
+    normals: tuple[np.ndarray, np.ndarray],
+    thickness: tuple[np.ndarray, np.ndarray],
+    top_mm: float,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the triangles (2 n, 3, 3) of upright sheets over edges from p to q (n, 3), their normals and thickness."""
+    (n, m), (t, s) = normals, thickness
     p_top, q_top = p * [1.0, 1.0, 0.0] + [0.0, 0.0, top_mm], q * [1.0, 1.0, 0.0] + [0.0, 0.0, top_mm]
     sheets = np.concatenate([np.stack([p, q, q_top], 1), np.stack([p, q_top, p_top], 1)])
     sheet_normals = np.concatenate([np.stack([n, m, m], 1), np.stack([n, m, n], 1)])

@@ -25,9 +25,6 @@ UPRIGHT = 0.02
 FLOOR_ROUNDING = 4.0
 """The floor of a bowl starts from an arc of at least this many walls' radius, so that it has no dimple."""
 
-LAND_SHARE = 0.5
-"""However far a lip's rounding reaches, the sealing surface keeps at least this share of the wall."""
-
 
 @dataclass(frozen=True, eq=False)
 class WallMeridian:
