@@ -159,6 +159,8 @@ def _step(wall: Outside, asked: AskedThickness, seconds: float) -> float:
     wanted = min(np.sqrt(3.0 * area / TRIANGLES), COARSEST_SHARE * asked.minimum_mm)
     feet = corners[np.linspace(0, len(corners) - 1, PILOT).astype(int)].mean(axis=1)
     inward = feet * np.array([0.9, 0.9, 1.0])
+    # The first search also builds the tree.
+    wall.clearance(inward[:1])
     begin = time.monotonic()
     wall.clearance(inward)
     each = (time.monotonic() - begin) / PILOT
