@@ -42,9 +42,10 @@ def crossings(mesh):
     return found
 
 
-def facets_and_normals_agree(mesh):
-    """The smallest product of a triangle's own normal and those at its corners."""
+def share_across_creases(mesh):
+    """The share of the area in triangles that are more than 8 degrees off a normal at one of their corners."""
     corners = mesh.vertices_mm[mesh.triangles]
     facets = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    facets /= np.linalg.norm(facets, axis=1, keepdims=True)
-    return float(np.einsum("ij,ikj->ik", facets, mesh.normals[mesh.triangles]).min())
+    area = np.linalg.norm(facets, axis=1)
+    agree = np.einsum("ij,ikj->ik", facets / area[:, None], mesh.normals[mesh.triangles]).min(axis=1)
+    return float(area[agree < 0.99].sum() / area.sum())

@@ -31,7 +31,7 @@ def box():
 
 def test_a_bottle_as_mesh_gets_a_revolved_inside_with_the_wall_asked():
     bottle = read_mold(EXAMPLES / "beer_bottle.step")
-    mold = as_mesh(bottle, tessellate(bottle.upright, 0.05))
+    mold = as_mesh(bottle, tessellate(bottle.upright, 0.1))
     candidate, wall = made(mold, 3.0)
     assert isinstance(candidate.cavity, Revolved)
     points = candidate.inside.vertices_mm

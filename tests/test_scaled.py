@@ -32,7 +32,7 @@ def test_a_box_scaled_per_axis_has_the_wall_on_all_sides():
 
 
 def test_one_factor_gives_the_wall_where_the_mold_is_widest_and_another_elsewhere():
-    mold = read_mold(EXAMPLES / "beer_bottle.step")
+    mold = read_mold(EXAMPLES / "jar.step")
     candidate = made(scaled, mold, 2.0)
     widest = np.hypot(*candidate.inside.vertices_mm[:, :2].T).max()
     assert widest == pytest.approx(mold.anatomy.maximum_radius_mm - 2.0, abs=1e-3)
@@ -42,7 +42,7 @@ def test_one_factor_gives_the_wall_where_the_mold_is_widest_and_another_elsewher
     assert candidate.inside.vertices_mm[:, 2].max() == pytest.approx(mold.anatomy.finish_height_mm)
     assert candidate.solid.isValid()
     glass = mesh_volume(tessellate(mold.upright, 0.05)).volume_mm3 - mesh_volume(candidate.inside).volume_mm3
-    assert mesh_volume(tessellate(candidate.solid, 0.05)).volume_mm3 == pytest.approx(glass, rel=1e-3)
+    assert mesh_volume(tessellate(candidate.solid, 0.05)).volume_mm3 == pytest.approx(glass, rel=3e-3)
 
 
 def test_a_wall_as_thick_as_the_mold_is_refused():

@@ -134,10 +134,18 @@ def cavity_mesh(
 
 
 def _box(wall: Outside, asked: AskedThickness, step_mm: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return the corners of a box about the cavity, two steps wider; the finish plane lies between two layers."""
+    """Return the corners of a box about the cavity, at least a step wider, from which the grid's nodes are counted.
+
+    The finish plane lies in the middle between two layers of nodes, and so that flat sides do not fall on nodes, they
+    lie by a quarter of a step or more away from them.
+    """
     corners = wall.corners_mm[~wall.collar]
-    margin = 2.0 * step_mm - asked.minimum_mm
-    low, high = corners.min(axis=(0, 1)) - margin, corners.max(axis=(0, 1)) + margin
+    low, high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
+    middle, half = 0.5 * (low + high), 0.5 * (high - low) - asked.minimum_mm
+    steps = half / step_mm
+    aside = np.where(np.abs(steps % 1.0 - 0.5) > 0.25, 0.5, 0.0)
+    low = middle - (np.ceil(steps) + 1.0 + aside) * step_mm
+    high = middle + (steps + 2.0) * step_mm
     layers = np.ceil((wall.finish_height_mm - low[2]) / step_mm) + 0.5
     low[2], high[2] = wall.finish_height_mm - layers * step_mm, wall.finish_height_mm + 1.5 * step_mm
     return low, high
@@ -151,6 +159,8 @@ def _step(wall: Outside, asked: AskedThickness, seconds: float) -> float:
     wanted = min(np.sqrt(3.0 * area / TRIANGLES), COARSEST_SHARE * asked.minimum_mm)
     feet = corners[np.linspace(0, len(corners) - 1, PILOT).astype(int)].mean(axis=1)
     inward = feet * np.array([0.9, 0.9, 1.0])
+    # The first search also builds the tree.
+    wall.clearance(inward[:1])
     begin = time.monotonic()
     wall.clearance(inward)
     each = (time.monotonic() - begin) / PILOT

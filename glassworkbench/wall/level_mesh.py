@@ -14,6 +14,9 @@ from glassworkbench.wall.room import Room
 SMOOTHINGS = 3
 """How often each vertex is moved half way to the middle of its neighbours, within its cell, before it is placed."""
 
+ROUNDING_MM = 1e-4
+"""Vertices nearer than this to the finish plane are in it."""
+
 CREASE_SHARE = 0.01
 """A vertex on a crease may be this share of a step off the surface; else it is not put there."""
 
@@ -38,7 +41,9 @@ def level_mesh(room: Room, grid: Grid, inside: np.ndarray, deviation_mm: float) 
     numbers = near_creases(gradients, edges)
     row = np.full(len(points), -1)
     row[numbers] = np.arange(len(numbers))
-    mine = edges[row[edges[:, 0]] >= 0]
+    # A corner has neighbours on all its sides only with those across the quadrilaterals.
+    across = np.concatenate([edges, *(dual.quads[:, [k, (k + 2) % 4]] for k in range(4))])
+    mine = across[row[across[:, 0]] >= 0]
     owner, around = np.concatenate([row[mine[:, 0]], np.arange(len(numbers))]), np.concatenate([mine[:, 1], numbers])
     sharp, found = crease_points(room, points[numbers], owner, points[around], CREASE_SHARE * grid.step_mm)
     found &= in_own_cell(dual.cells[numbers], (sharp - grid.origin_mm) / grid.step_mm, dual.cells)
@@ -56,6 +61,9 @@ def level_mesh(room: Room, grid: Grid, inside: np.ndarray, deviation_mm: float) 
         snapped[back], creased[back] = points[back], False
         triangles = _triangles(room, dual, snapped, creased)
     facets = refined(room, Facets(snapped, gradients, creased, triangles), deviation_mm, grid.step_mm)
+    # Rounding must not part the lid from the finish plane.
+    lid = np.abs(facets.points_mm[:, 2] - room.ceiling_mm) < ROUNDING_MM
+    facets.points_mm[lid, 2] = room.ceiling_mm
     vertices, normals, triangles = normals_on_sides(
         room, facets.points_mm, -facets.gradients, facets.triangles, facets.creased
     )

@@ -13,9 +13,15 @@ from glassworkbench.wall.room import Room
 CREASE = np.cos(np.radians(8.0))
 """Tangents of neighbouring points that differ by more have a crease between them."""
 
+JOINT = 1e-3
+"""A crease that is nearer to a point than this share of the distance to the next lies at it."""
+
 CLOSE_MM = 1e-6
 
 CORRECTIONS = 6
+
+STUCK_SHARE = 0.3
+"""A step that is corrected to less than this share of itself has met a crease."""
 
 MOST_POINTS = 20_000
 
@@ -86,6 +92,10 @@ def trace(room: RoundRoom, start: np.ndarray, step_mm: float) -> tuple[np.ndarra
         if point[1] >= ceiling - CLOSE_MM and len(points) > 1:
             return np.array(points), np.array(tangents)
         ahead = _corrected(room, point + step_mm * tangents[-1])
+        if np.linalg.norm(ahead - point) < STUCK_SHARE * step_mm:
+            # At a crease the way on runs along the side that the step went through.
+            _, beyond = room.value_and_gradient((point + step_mm * tangents[-1])[None])
+            ahead = _corrected(room, point + step_mm * np.array([beyond[0, 1], -beyond[0, 0]]))
         if ahead[1] >= ceiling - CLOSE_MM:
             rise = (ceiling - point[1]) / max(tangents[-1][1], 1e-9)
             ahead = point + min(rise, step_mm) * tangents[-1]
@@ -117,14 +127,19 @@ def chain_of(points: np.ndarray, tangents: np.ndarray) -> tuple[np.ndarray, tupl
     for a, b, s, t in zip(points[:-1], points[1:], tangents[:-1], tangents[1:], strict=True):
         length = float(np.linalg.norm(b - a))
         if s @ t < CREASE:
-            along = np.linalg.solve(np.column_stack([s, -t]), b - a)
-            if 0.0 < along[0] < 4.0 * length and -4.0 * length < along[1] < 0.0:
-                corner = a + along[0] * s
-                segments.append(line(a, corner))
+            along = np.linalg.solve(np.column_stack([s, -t]), b - a) / length
+            corner = a + along[0] * length * s
+            if -JOINT < along[0] < 4.0 and -4.0 < along[1] < JOINT:
+                if along[0] > JOINT:
+                    segments.append(line(a, corner))
                 starts.append(len(segments))
-                segments.append(line(corner, b))
+                if along[1] < -JOINT:
+                    segments.append(line(corner if along[0] > JOINT else a, b))
+                else:
+                    segments[-1][3, :2] = b
                 continue
         controls = np.array([a, a + length / 3.0 * s, b - length / 3.0 * t, b])
         segments.append(np.column_stack([controls, np.ones(4)]))
     ends = [*starts[1:], len(segments)]
-    return np.array(segments), tuple(zip(starts, ends, strict=True))
+    runs = tuple((first, last) for first, last in zip(starts, ends, strict=True) if last > first)
+    return np.array(segments), runs
