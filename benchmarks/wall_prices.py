@@ -1,4 +1,4 @@
-"""Draws what a wall's accuracy costs in time, from the results that `walls.py` keeps, into docs/pictures/wall_prices.png."""
+"""Draws what a wall's accuracy costs in time, from what `walls.py` keeps, into docs/pictures/wall_prices.png."""
 
 from __future__ import annotations
 

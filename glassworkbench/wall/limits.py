@@ -55,3 +55,7 @@ def check_interpolation(name: str) -> None:
     """Check that there is an interpolation of this name."""
     if name not in INTERPOLATIONS:
         raise unknown_name("wall interpolation", name, INTERPOLATIONS)
+
+
+LAND_SHARE = 0.5
+"""However far a lip's rounding reaches, the sealing surface keeps at least this share of the wall."""

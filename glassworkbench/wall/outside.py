@@ -17,6 +17,7 @@ from glassworkbench.mold.embossing import embossed as find_embossed
 from glassworkbench.mold.tessellation import MOUTH, outside_mesh
 from glassworkbench.scene import Mesh
 from glassworkbench.spatial import SIDES, Nearest, NearestTriangles, sags
+from glassworkbench.wall.limits import LAND_SHARE
 
 DEVIATION_MM = 0.05
 """Distance of the triangles from the outside; their bulge brings them to a few micrometres."""
@@ -26,9 +27,6 @@ LIP_ZONE_MM = 4.0
 
 LEANING = 0.35
 """A facet whose outward normal rises by more than this is part of a lip's rounding."""
-
-LAND_SHARE = 0.5
-"""However far a lip's rounding reaches, the sealing surface keeps at least this share of the wall."""
 
 LEVEL_MM = 1e-4
 """An edge whose ends are nearer than this, seen from above, carries no collar."""

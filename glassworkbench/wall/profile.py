@@ -10,7 +10,8 @@ import numpy as np
 from glassworkbench.errors import InputError
 from glassworkbench.wall.bezier import cut, evaluate, line, polyline, unit
 from glassworkbench.wall.bore import Bore
-from glassworkbench.wall.thickness import ThicknessOverHeight
+from glassworkbench.wall.limits import LAND_SHARE
+from glassworkbench.wall.over_height import ThicknessOverHeight
 
 if TYPE_CHECKING:
     from glassworkbench.mold import Anatomy
