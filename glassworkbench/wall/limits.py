@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 THINNEST_MM = 0.01
 """No wall of glass is thinner; whoever asks for less has probably taken another unit."""
 
+LAND_SHARE = 0.5
+"""However far a lip's rounding reaches, the sealing surface keeps at least this share of the wall."""
+
 COVER_SLACK = 0.005
 """A table may end this share of the height short of the base or the finish; its end value holds there."""
 
@@ -55,7 +58,3 @@ def check_interpolation(name: str) -> None:
     """Check that there is an interpolation of this name."""
     if name not in INTERPOLATIONS:
         raise unknown_name("wall interpolation", name, INTERPOLATIONS)
-
-
-LAND_SHARE = 0.5
-"""However far a lip's rounding reaches, the sealing surface keeps at least this share of the wall."""
