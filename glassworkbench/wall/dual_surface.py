@@ -28,12 +28,15 @@ class DualSurface:
         The cell that each vertex belongs to.
     places : array (n, 3)
         The mean of the middles of the grid's edges that are crossed there, in steps.
+    inner_nodes : int array (n, 3)
+        A node that is inside, at the end of one of those edges.
     quads : int array (m, 4)
         Counter-clockwise, seen from where the grid is not inside.
     """
 
     cells: np.ndarray
     places: np.ndarray
+    inner_nodes: np.ndarray
     quads: np.ndarray
 
 
@@ -83,7 +86,7 @@ def dual_surface(inside: np.ndarray) -> DualSurface:
     cells = np.repeat(np.column_stack(np.unravel_index(active, shape)), sheets[code.ravel()[active]], axis=0)
     first = first.reshape(shape)
 
-    quads, middles = [], []
+    quads, middles, ends = [], [], []
     for axis in range(3):
         i, j = (axis + 1) % 3, (axis + 2) % 3
         low, high = (
@@ -103,12 +106,17 @@ def dual_surface(inside: np.ndarray) -> DualSurface:
         quad = np.column_stack(around)
         leaving = inside[tuple(edges.T)]
         quads.append(np.where(leaving[:, None], quad, quad[:, ::-1]))
+        end = edges.copy()
+        end[:, axis] += ~leaving
+        ends.append(end)
         middle = edges.astype(np.float64)
         middle[:, axis] += 0.5
         middles.append(middle)
     quads, middles = np.concatenate(quads), np.concatenate(middles)
     places = mean_at(quads.ravel(), np.repeat(middles, 4, axis=0), len(cells))
-    return DualSurface(cells, places, quads)
+    inner_nodes = np.empty_like(cells)
+    inner_nodes[quads.ravel()] = np.repeat(np.concatenate(ends), 4, axis=0)
+    return DualSurface(cells, places, inner_nodes, quads)
 
 
 def mean_at(numbers: np.ndarray, vectors: np.ndarray, count: int) -> np.ndarray:

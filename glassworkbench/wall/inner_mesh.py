@@ -33,8 +33,8 @@ TOLERANCE_SHARE, TOLERANCE_MM = 0.01, 0.01
 TRIANGLES = 90_000
 """Triangles that an outside's area is cut into, before those on bends and creases are halved."""
 
-COARSEST_SHARE = 1.2
-"""The grid's step, as a share of the thinnest wall, at most: nodes on both sides of a wall must not be neighbours."""
+COARSEST_SHARE = 0.9
+"""The grid's step, as a share of the thinnest wall, at most: no cell may reach from one side of a wall to the other."""
 
 SEARCHES = 8.0
 """Searches for nearest points that one square step of the outside takes in all."""

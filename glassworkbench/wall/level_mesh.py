@@ -14,6 +14,9 @@ from glassworkbench.wall.room import Room
 SMOOTHINGS = 3
 """How often each vertex is moved half way to the middle of its neighbours, within its cell, before it is placed."""
 
+STRAYED = 0.5
+"""A vertex that is placed farther (in steps) outside its cell is on another part of the surface."""
+
 ROUNDING_MM = 1e-4
 """Vertices nearer than this to the finish plane are in it."""
 
@@ -36,7 +39,10 @@ def level_mesh(room: Room, grid: Grid, inside: np.ndarray, deviation_mm: float) 
     middles = mean_at(edges[:, 0], points[edges[:, 1]], len(points))
     aside = middles - points
     aside -= np.einsum("ij,ij->i", aside, gradients)[:, None] * gradients
-    points, _, gradients = room.on_surface(points + 0.5 * aside)
+    points, value, gradients = room.on_surface(points + 0.5 * aside)
+    lost = np.flatnonzero(_strayed(dual, (points - grid.origin_mm) / grid.step_mm) | (np.abs(value) > ROUNDING_MM))
+    # A cell can reach through a thin wall. From inside the surface is always met.
+    points[lost], _, gradients[lost] = room.on_surface(grid.points(dual.inner_nodes[lost]))
 
     numbers = near_creases(gradients, edges)
     row = np.full(len(points), -1)
@@ -68,6 +74,11 @@ def level_mesh(room: Room, grid: Grid, inside: np.ndarray, deviation_mm: float) 
         room, facets.points_mm, -facets.gradients, facets.triangles, facets.creased
     )
     return Mesh(vertices, triangles, normals)
+
+
+def _strayed(dual: DualSurface, places: np.ndarray) -> np.ndarray:
+    """Return which vertices, at places (n, 3) in steps, lie clearly outside their cells."""
+    return np.maximum(dual.cells - places, places - dual.cells - 1.0).max(axis=1) > STRAYED
 
 
 def _triangles(room: Room, dual: DualSurface, points: np.ndarray, creased: np.ndarray) -> np.ndarray:

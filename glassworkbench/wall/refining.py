@@ -46,7 +46,7 @@ def refined(room: Room, facets: Facets, deviation_mm: float, step_mm: float) -> 
         chosen = _too_far(room, facets, sides, deviation_mm, SHORTEST_SHARE * step_mm)
         if len(chosen) == 0:
             break
-        facets = _halved(room, facets, sides, number, chosen)
+        facets = _halved(room, facets, sides, number, chosen, deviation_mm)
     return facets
 
 
@@ -77,7 +77,9 @@ def _too_far(room: Room, facets: Facets, sides: np.ndarray, deviation_mm: float,
     return chosen[np.abs(room.value(points[chosen].mean(axis=1))) > deviation_mm]
 
 
-def _halved(room: Room, facets: Facets, sides: np.ndarray, number: np.ndarray, chosen: np.ndarray) -> Facets:
+def _halved(
+    room: Room, facets: Facets, sides: np.ndarray, number: np.ndarray, chosen: np.ndarray, deviation_mm: float
+) -> Facets:
     count = len(facets.points_mm)
     ends = facets.points_mm[sides[chosen]]
     middles = ends.mean(axis=1)
@@ -87,9 +89,7 @@ def _halved(room: Room, facets: Facets, sides: np.ndarray, number: np.ndarray, c
     owner = row[number]
     touched, side = np.nonzero(owner >= 0)
     around = facets.points_mm[facets.triangles[touched]].reshape(-1, 3)
-    sharp, on_crease = crease_points(
-        room, middles, np.repeat(owner[touched, side], 3), around, 0.1 * np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
-    )
+    sharp, on_crease = crease_points(room, middles, np.repeat(owner[touched, side], 3), around, deviation_mm)
     length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
     on_crease &= np.linalg.norm(sharp - middles, axis=1) < NEAR_SHARE * length
     triangles = _cut(facets, owner, count, plain)
