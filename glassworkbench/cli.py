@@ -440,12 +440,12 @@ def _scene(options: argparse.Namespace) -> Scene:
 def _read_step(path: Path) -> Surface:
     """Return the surface of a scene file's STEP body where the file has it; exact if it is one of revolution."""
     from glassworkbench.mold import outer_meridian, read_mold
-    from glassworkbench.wall.container import fine_mesh
+    from glassworkbench.wall.seen import seen_surface
 
     mold = read_mold(path)
     if mold.anatomy.is_revolved:
         return Revolved(outer_meridian(mold), mold.placement[:3, 3], mold.placement[:3, 2])
-    return fine_mesh(mold.solid)
+    return seen_surface(mold.solid, "the body")[0]
 
 
 def _traced(scene: Scene, options: argparse.Namespace, effects: Mapping[str, bool]) -> Image:

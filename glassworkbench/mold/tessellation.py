@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from glassworkbench.errors import GlassWorkbenchError, InputError
@@ -46,18 +48,9 @@ def tessellate(shape: Part.Shape, deviation_mm: float) -> Mesh:
 
 def tessellate_faces(shape: Part.Shape, deviation_mm: float) -> tuple[Mesh, np.ndarray]:
     """Return the mesh of `tessellate`, and the 1-based number (m,) of the shape's face that each triangle lies on."""
-    deviation_mm = positive(deviation_mm, "deviation_mm")
-    # OCC would otherwise hand out a coarser or finer mesh that an earlier caller left in the shape.
-    shape = shape.copy(True, False)
-    shape.tessellate(deviation_mm)
     vertices, triangles, normals, numbers = [], [], [], []
     count = 0
-    for number, face in enumerate(shape.Faces, start=1):
-        nodes, corners = face.tessellate(deviation_mm)
-        if not corners:
-            continue
-        corners = np.array(corners, dtype=np.int64)
-        points = np.array([tuple(node) for node in nodes])
+    for number, face, points, corners in meshed_faces(shape, deviation_mm):
         vertices.append(points)
         triangles.append(corners + count)
         normals.append(_normals(face, points, corners))
@@ -71,6 +64,26 @@ def tessellate_faces(shape: Part.Shape, deviation_mm: float) -> tuple[Mesh, np.n
             f"the shape could not be meshed without holes at {deviation_mm:g} mm ({error}); "
             "repair the shape, or try another deviation"
         ) from error
+
+
+def meshed_faces(shape: Part.Shape, deviation_mm: float) -> Iterator[tuple[int, Part.Face, np.ndarray, np.ndarray]]:
+    """Yield of each face its 1-based number, itself as meshed, its nodes (n, 3) and triangles of node numbers (m, 3).
+
+    The triangles are outward. Nodes of neighbouring faces on their common edge differ by rounding; see `WELD_MM`.
+
+    Raises
+    ------
+    InputError
+        If the deviation is not above 0.
+    """
+    deviation_mm = positive(deviation_mm, "deviation_mm")
+    # OCC would otherwise hand out a coarser or finer mesh that an earlier caller left in the shape.
+    shape = shape.copy(True, False)
+    shape.tessellate(deviation_mm)
+    for number, face in enumerate(shape.Faces, start=1):
+        nodes, corners = face.tessellate(deviation_mm)
+        if corners:
+            yield number, face, np.array([tuple(node) for node in nodes]), np.array(corners, dtype=np.int64)
 
 
 def outside_mesh(mold: Mold, deviation_mm: float) -> tuple[Mesh, np.ndarray]:

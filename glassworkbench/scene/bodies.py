@@ -165,6 +165,8 @@ class ContainerGeometry:
         Corners of the outer surface's bounding box.
     finish_height_mm : float
         Height of the sealing surface.
+    notes : tuple of str
+        What is not as exact as it could be, in sentences; a station passes them on with the image.
     """
 
     outer: Surface
@@ -172,6 +174,7 @@ class ContainerGeometry:
     low_mm: np.ndarray
     high_mm: np.ndarray
     finish_height_mm: float
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "low_mm", finite_array(self.low_mm, (3,), "low_mm"))

@@ -49,6 +49,11 @@ class Mesh:
         object.__setattr__(self, "triangles", triangles)
         object.__setattr__(self, "normals", normals)
 
+    @property
+    def box_mm(self) -> tuple[np.ndarray, np.ndarray]:
+        """The lower and the upper corner (3,) of the box around it."""
+        return self.vertices_mm.min(axis=0), self.vertices_mm.max(axis=0)
+
     def placed(self, turn: np.ndarray, shift_mm: np.ndarray) -> Mesh:
         """Return the mesh turned by a rotation (3, 3) about the origin, then moved."""
         return Mesh(shift_mm + self.vertices_mm @ turn.T, self.triangles, self.normals @ turn.T)

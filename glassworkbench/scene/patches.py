@@ -12,8 +12,8 @@ from glassworkbench.errors import InputError
 from glassworkbench.scene.mesh import Mesh
 from glassworkbench.scene.validate import finite_array, positive
 
-HIGHEST_DEGREE = 9
-"""Of a sheet's patches in either direction; the native core has room for no more."""
+HIGHEST_DEGREE = 25
+"""Of a sheet's patches in either direction: OCC makes none higher, and the native core has room for no more."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,6 +157,14 @@ class Patches:
                 f"uv_of_corner: corner {worst % 3} of triangle {worst // 3} lies {distance[worst]:.3g} mm from its "
                 f"sheet, more than {self.deviation_mm:g} mm; its parameters belong to another place or sheet"
             )
+
+    @property
+    def box_mm(self) -> tuple[np.ndarray, np.ndarray]:
+        """The lower and the upper corner (3,) of the box around it, to a sixteenth of how far its triangles bulge."""
+        share = np.array([(i, j, 4 - i - j) for i in range(5) for j in range(5 - i)]) / 4.0
+        uv = np.einsum("sk,mkc->msc", share, self.uv_of_corner).reshape(-1, 2)
+        points = self.evaluate(np.repeat(self.sheet_of_triangle, len(share)), uv)[0]
+        return points.min(axis=0), points.max(axis=0)
 
     def placed(self, turn: np.ndarray, shift_mm: np.ndarray) -> Patches:
         """Return the body turned by a rotation (3, 3) about the origin, then moved."""

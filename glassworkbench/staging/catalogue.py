@@ -72,8 +72,17 @@ def station(
         lights=lights,
         camera=camera,
         size=size,
-        metadata={"glass": glass.name, "station": name} | ({"fill": str(fill)} if fill else {}),
+        metadata=_told(name, geometry, glass, fill),
     )
+
+
+def _told(name: str, geometry: ContainerGeometry, glass: Glass, fill: Fill | None) -> dict[str, str]:
+    told = {"glass": glass.name, "station": name}
+    if fill:
+        told["fill"] = str(fill)
+    if geometry.notes:
+        told["notes"] = "; ".join(geometry.notes)
+    return told
 
 
 @cache

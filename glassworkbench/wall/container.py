@@ -10,23 +10,19 @@ import numpy as np
 
 from glassworkbench.errors import GlassWorkbenchError
 from glassworkbench.freecad import FreeCAD, Part
-from glassworkbench.mold import Mold, outer_meridian, tessellate
+from glassworkbench.mold import Mold, outer_meridian
 from glassworkbench.output import check_writable, written_aside
 from glassworkbench.scene import ContainerGeometry, Mesh, Revolved, Surface
 from glassworkbench.wall.contents import LIQUID_G_PER_CM3, Cavity, FillPoint, centre_of_gravity
 from glassworkbench.wall.map_picture import save_picture
 from glassworkbench.wall.measure import WallMeasure
 from glassworkbench.wall.outside import Outside, outside
+from glassworkbench.wall.seen import seen_surface
 from glassworkbench.wall.thickness import Thickness
 from glassworkbench.wall.volumes import Volume
 from glassworkbench.wall.wall_map import WallMap, wall_map
 
 ENDINGS = (".step", ".stp", ".brep", ".fcstd", ".stl")
-
-DEVIATION_MM = 0.015
-"""Largest distance of a mesh from its surface; refraction at the facets' interpolated normals is then smooth."""
-
-MAXIMUM_TRIANGLES = 400_000
 
 
 @dataclass(frozen=True)
@@ -169,9 +165,7 @@ class Container:
 
     def geometry(self) -> ContainerGeometry:
         """Return the container as a station takes it: upright, on surfaces that the tracer knows."""
-        return geometry_within(
-            self.mold, fine_mesh(self.cavity) if isinstance(self.cavity, Part.Shape) else self.cavity
-        )
+        return geometry_within(self.mold, self.cavity)
 
     @property
     def room(self) -> Cavity:
@@ -225,29 +219,25 @@ class Container:
                 raise GlassWorkbenchError(f"{path}: could not be written ({error})") from error
 
 
-def geometry_within(mold: Mold, cavity: Surface) -> ContainerGeometry:
+def geometry_within(mold: Mold, cavity: Surface | Part.Shape) -> ContainerGeometry:
     """Return a container by its outer shape and its cavity (upright), as a station takes it."""
     anatomy = mold.anatomy
+    notes: tuple[str, ...] = ()
     if mold.mesh is not None:
         outer = mold.mesh
+    elif anatomy.is_revolved:
+        outer = Revolved(outer_meridian(mold))
     else:
-        outer = Revolved(outer_meridian(mold)) if anatomy.is_revolved else fine_mesh(mold.upright)
-    if isinstance(outer, Mesh):
-        low, high = outer.vertices_mm.min(axis=0), outer.vertices_mm.max(axis=0)
-    else:
+        outer, notes = seen_surface(mold.upright, "the outside")
+    if isinstance(cavity, Part.Shape):
+        cavity, more = seen_surface(cavity, "the cavity")
+        notes += more
+    if isinstance(outer, Revolved):
         radius = anatomy.maximum_radius_mm
         low, high = np.array([-radius, -radius, 0.0]), np.array([radius, radius, anatomy.height_mm])
-    return ContainerGeometry(outer, cavity, low, high, anatomy.finish_height_mm)
-
-
-def fine_mesh(shape: Part.Shape) -> Mesh:
-    """Return a mesh of a solid that is fine enough to look through, and not larger than the tracer likes."""
-    deviation = DEVIATION_MM
-    while True:
-        mesh = tessellate(shape, deviation)
-        if len(mesh.triangles) <= MAXIMUM_TRIANGLES:
-            return mesh
-        deviation *= 2.0
+    else:
+        low, high = outer.box_mm
+    return ContainerGeometry(outer, cavity, low, high, anatomy.finish_height_mm, notes)
 
 
 def _write(solid: Part.Shape, name: str, path: Path) -> None:

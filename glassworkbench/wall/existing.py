@@ -15,9 +15,10 @@ from glassworkbench.mold.mold import mold_from_shape, outward, single_solid
 from glassworkbench.mold.outer_shape import cavity_shape
 from glassworkbench.mold.placing import moved, placement_of
 from glassworkbench.mold.read import read_shape
-from glassworkbench.scene import ContainerGeometry, Mesh, Revolved, Surface
-from glassworkbench.wall.container import fine_mesh, geometry_within
+from glassworkbench.scene import ContainerGeometry, Revolved
+from glassworkbench.wall.container import geometry_within
 from glassworkbench.wall.revolved import PAST_MOUTH_MM
+from glassworkbench.wall.seen import fine_mesh, seen_surface
 
 
 def read_container(path: str | os.PathLike, *, scale_to_mm: float | None = None) -> ContainerGeometry:
@@ -62,20 +63,24 @@ def container_from_shape(shape: Part.Shape, name: str) -> ContainerGeometry:
         cavity = cavity_shape(upright, standing.finish_face, PAST_MOUTH_MM)
     except InputError:
         return _glass_alone(solid, standing, vertices)
-    return geometry_within(mold, _surface(cavity))
+    turned = _turned(cavity)
+    return geometry_within(mold, cavity if turned is None else turned)
 
 
 def _glass_alone(solid: Part.Shape, standing: Standing, vertices_mm: np.ndarray) -> ContainerGeometry:
     upright = moved(solid, np.linalg.inv(placement_of(standing, vertices_mm)))
-    mesh = fine_mesh(upright)
-    low, high = mesh.vertices_mm.min(axis=0), mesh.vertices_mm.max(axis=0)
-    return ContainerGeometry(_surface(upright, mesh), None, low, high, float(high[2]))
+    turned = _turned(upright)
+    if turned is None:
+        surface, notes = seen_surface(upright, "the glass")
+        low, high = surface.box_mm
+    else:
+        surface, notes = turned, ()
+        low, high = fine_mesh(upright).box_mm
+    return ContainerGeometry(surface, None, low, high, float(high[2]), notes)
 
 
-def _surface(upright: Part.Shape, mesh: Mesh | None = None) -> Surface:
-    """Return the surface of an upright solid: exact if all its faces are turned about the axis, else a mesh."""
+def _turned(upright: Part.Shape) -> Revolved | None:
+    """Return the surface of an upright solid if all its faces are turned about the axis."""
     profiles = face_profiles(upright.Faces)
     meridian = chain(profiles) if all(profile is not None for profile in profiles) else None
-    if meridian is not None:
-        return Revolved(meridian)
-    return fine_mesh(upright) if mesh is None else mesh
+    return None if meridian is None else Revolved(meridian)

@@ -16,7 +16,7 @@ struct SheetPoint {
 
 class Sheet {
 public:
-    static constexpr int highest_degree = 9;
+    static constexpr int highest_degree = 25;
     typedef double Homogeneous __attribute__((vector_size(32)));  // w x, w y, w z, w
 
     Sheet(int degree_u, int degree_v, std::vector<double> u_knots, std::vector<double> v_knots,
@@ -30,24 +30,24 @@ public:
     }
 
     SheetPoint at(double u, double v) const {
-        switch (10 * degree_u_ + degree_v_) {
-            case 11:
+        switch (100 * degree_u_ + degree_v_) {
+            case 101:
                 return evaluate<1, 1>(u, v);
-            case 12:
+            case 102:
                 return evaluate<1, 2>(u, v);
-            case 13:
+            case 103:
                 return evaluate<1, 3>(u, v);
-            case 21:
+            case 201:
                 return evaluate<2, 1>(u, v);
-            case 22:
+            case 202:
                 return evaluate<2, 2>(u, v);
-            case 23:
+            case 203:
                 return evaluate<2, 3>(u, v);
-            case 31:
+            case 301:
                 return evaluate<3, 1>(u, v);
-            case 32:
+            case 302:
                 return evaluate<3, 2>(u, v);
-            case 33:
+            case 303:
                 return evaluate<3, 3>(u, v);
             default:
                 return evaluate<0, 0>(u, v);
