@@ -47,7 +47,10 @@ public:
             bounds_.include(centre - reach);
             bounds_.include(centre + reach);
         }
-        margin_ = 1e-9 * std::fmax(r_max, z_high_ - z_low_);
+        const double size = std::fmax(r_max, z_high_ - z_low_);
+        inverse_size_ = 1.0 / size;
+        margin_ = 1e-9 * size;
+        noise_ = 2e-15 * std::fmax(r_max, std::fmax(-z_low_, z_high_));
         std::vector<int> order(pieces_.size());
         for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
         root_ = build(order.data(), static_cast<int>(order.size()));
@@ -379,18 +382,21 @@ private:
             const double g1 = g0 + third * part.at_low.slope, g2 = g3 - third * part.at_high.slope;
             const bool monotone = g3 > g0 ? g1 >= g0 && g2 >= g1 && g3 >= g2 : g1 <= g0 && g2 <= g1 && g3 <= g2;
             const bool crosses = (g0 >= 0.0) != (g3 >= 0.0);
-            if (monotone || count + 2 > deepest_split || !(part.high - part.low > 1e-14)) {
+            bool settled = monotone || count + 2 > deepest_split || !(part.high - part.low > 1e-14);
+            if (!settled) {
+                const double lowest = std::fmin(std::fmin(g0, g1), std::fmin(g2, g3));
+                const double highest = std::fmax(std::fmax(g0, g1), std::fmax(g2, g3));
+                const double distance = g0 >= 0.0 ? lowest : -highest;
+                if (!crosses && distance > 0.25 * (highest - lowest)) continue;
+                // Where a ray runs along the surface g is rounding errors only, and splitting would find each of them.
+                settled = std::fmax(highest, -lowest) <= noise_;
+            }
+            if (settled) {
                 if (!crosses) continue;
                 const double u_low = function.parameter(part.low), u_high = function.parameter(part.high);
                 if (u_start >= std::fmin(u_low, u_high) && u_start <= std::fmax(u_low, u_high)) continue;
                 report(function, ray, number, part, visit);
                 continue;
-            }
-            if (!crosses) {
-                const double lowest = std::fmin(std::fmin(g0, g1), std::fmin(g2, g3));
-                const double highest = std::fmax(std::fmax(g0, g1), std::fmax(g2, g3));
-                const double distance = g0 >= 0.0 ? lowest : -highest;
-                if (distance > 0.25 * (highest - lowest)) continue;
             }
             const double middle = 0.5 * (part.low + part.high);
             const Value value = function.at(middle);
@@ -435,7 +441,8 @@ private:
         bool converged;
     };
 
-    // Newton in (u, tau) together: no square root, so full accuracy where the charts' own would lose it.
+    // Newton in (u, tau) together: no square root, so full accuracy where the charts' own would lose it. For a flat ray
+    // u hardly depends on tau and settles first: what both steps leave of the first equation must have become small.
     Root polished(const Piece& piece, const Chart& ray, double u, double tau) const {
         double step = 1.0;
         for (int i = 0; i < 5; ++i) {
@@ -446,11 +453,16 @@ private:
             const double rr = p.r * p.dr;
             const double inverse = 0.5 / (rr * ray.dz - climb * p.dz);
             const double d_u = (f1 * ray.dz - 2.0 * climb * f2) * inverse;
+            const double d_tau = (f1 * p.dz - 2.0 * rr * f2) * inverse;
             u += d_u;
-            tau += (f1 * p.dz - 2.0 * rr * f2) * inverse;
+            tau += d_tau;
             const double before = step;
             step = std::fabs(d_u);
-            if (step < 1e-8 && step < 0.01 * before) return {u, tau, true};
+            if (step < 1e-8 && step < 0.01 * before) {
+                // The next step would be this, in u and in tau; near the axis and for flat rays it may not be small.
+                const double left = (ray.A * d_tau * d_tau + p.dr * p.dr * d_u * d_u) * std::fabs(inverse);
+                if (left * (std::fabs(ray.dz) + std::fabs(p.dz) * inverse_size_) < 1e-15) return {u, tau, true};
+            }
             if (!(step < 0.25)) break;
         }
         return {u, tau, false};
@@ -483,7 +495,7 @@ private:
     Vector base_;
     Rotation rotation_;
     Box bounds_;
-    double z_low_, z_high_, margin_;
+    double z_low_, z_high_, inverse_size_, margin_, noise_;
 };
 
 }  // namespace glass
