@@ -28,7 +28,7 @@ def main() -> int:
     for method, mark in MARKS.items():
         mine = [line for line in right if line["method"] == method]
         seconds = [line["tried"][-1]["seconds"] for line in mine]
-        share = [line["wall"]["deviation_p99_mm"] / line["wall"]["tolerance_mm"] for line in mine]
+        share = [line["measured"]["deviation_p99_mm"] / line["measured"]["tolerance_mm"] for line in mine]
         if mine:
             axes.scatter(seconds, share, marker=mark, s=28, alpha=0.7, label=f"{method} ({len(mine)})")
     axes.axhline(1.0, color="grey", linewidth=1, linestyle="--")

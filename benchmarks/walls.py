@@ -85,8 +85,8 @@ def one_case(mold_name: str, wall_name: str, method: str, seconds: float) -> dic
         return {"outcome": "too thick", "why": str(error), "seconds": round(time.perf_counter() - start, 2)}
     except GlassWorkbenchError as error:
         return {"outcome": "none", "why": str(error), "seconds": round(time.perf_counter() - start, 2)}
-    keep = ("method", "wall", "solid", "weight_g", "seconds")
-    return {"outcome": "right", **{key: report[key] for key in keep}, "tried": report["tried"]}
+    kept = {key: report[key] for key in ("method", "tried", "solid", "weight_g", "seconds")}
+    return {"outcome": "right", "measured": report["wall"], **kept}
 
 
 def cell(line: dict | None) -> str:
@@ -96,7 +96,7 @@ def cell(line: dict | None) -> str:
     if line["outcome"] != "right":
         return line["outcome"]
     by = f"{line['method']} " if line["method_asked"] == "auto" else ""
-    return f"{by}{line['wall']['deviation_p99_mm']:.3f} mm {line['seconds']:.1f} s"
+    return f"{by}{line['measured']['deviation_p99_mm']:.3f} mm {line['seconds']:.1f} s"
 
 
 def show(lines: list[dict], methods: list[str]) -> None:
