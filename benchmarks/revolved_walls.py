@@ -19,14 +19,14 @@ from glassworkbench.freecad import Part  # noqa: E402
 from glassworkbench.mold import Mold, read_mold, tessellate  # noqa: E402
 from glassworkbench.scene import Mesh  # noqa: E402
 from glassworkbench.wall import parse_thickness  # noqa: E402
-from glassworkbench.wall.along_meridian import AlongMeridian  # noqa: E402
-from glassworkbench.wall.asked import AskedThickness  # noqa: E402
-from glassworkbench.wall.bezier import crossings, evaluate, polyline  # noqa: E402
-from glassworkbench.wall.bore import Bore  # noqa: E402
-from glassworkbench.wall.outside import Outside, outside  # noqa: E402
-from glassworkbench.wall.profile import WallMeridian, below_bore, wall_meridian  # noqa: E402
-from glassworkbench.wall.revolved import revolved  # noqa: E402
-from glassworkbench.wall.unfolding import clearance  # noqa: E402
+from glassworkbench.wall.asking.asked import AskedThickness  # noqa: E402
+from glassworkbench.wall.asking.bore import Bore  # noqa: E402
+from glassworkbench.wall.measuring.outside import Outside, outside  # noqa: E402
+from glassworkbench.wall.methods.revolved import revolved  # noqa: E402
+from glassworkbench.wall.turning.along_meridian import AlongMeridian  # noqa: E402
+from glassworkbench.wall.turning.bezier import crossings, evaluate, polyline  # noqa: E402
+from glassworkbench.wall.turning.profile import WallMeridian, below_bore, wall_meridian  # noqa: E402
+from glassworkbench.wall.turning.unfolding import clearance  # noqa: E402
 
 EXAMPLES, OTHERS = ROOT / "examples" / "molds", ROOT.parent.parent / "shared" / "molds"
 MOLDS = (

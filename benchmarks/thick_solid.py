@@ -14,8 +14,8 @@ sys.path.insert(0, str(ROOT))
 from glassworkbench.errors import GlassWorkbenchError  # noqa: E402
 from glassworkbench.mold import Mold, read_mold, tessellate  # noqa: E402
 from glassworkbench.spatial import NearestTriangles  # noqa: E402
-from glassworkbench.wall.thick_solid import ThickWall, thick_wall  # noqa: E402
-from glassworkbench.wall.volumes import mesh_volume  # noqa: E402
+from glassworkbench.wall.measuring.volumes import mesh_volume  # noqa: E402
+from glassworkbench.wall.methods.thick_solid import ThickWall, thick_wall  # noqa: E402
 
 WALLS_MM = (1.0, 2.0, 3.0)
 WALL_SHARES = (0.04, 0.08)

@@ -234,7 +234,7 @@ def _hollow(options: argparse.Namespace) -> None:
     output = check_writable(options.output, CONTAINER_ENDINGS)
     outputs = [output]
     if options.map is not None:
-        from glassworkbench.wall.map_picture import check_picture
+        from glassworkbench.wall.measuring.map_picture import check_picture
 
         outputs.append(check_picture(options.map))
     _check_files(options, outputs)
@@ -541,7 +541,7 @@ def _check_files(options: argparse.Namespace, outputs: Sequence[Path]) -> None:
     outputs = list(outputs) if options.report is None else [*outputs, check_writable(options.report)]
     read = [options.mold]
     if (options.wall or "").startswith("@"):
-        from glassworkbench.wall.thickness_text import table_file
+        from glassworkbench.wall.asking.thickness_text import table_file
 
         read.append(table_file(options.wall))
     taken = {Path(path).resolve(): "it is read from, and would be overwritten" for path in read}

@@ -9,8 +9,8 @@ import pytest
 from glassworkbench.errors import InputError
 from glassworkbench.freecad import FreeCAD, Part
 from glassworkbench.mold import mold_from_shape, outside_mesh, read_mold
-from glassworkbench.wall.thickness_text import parse_thickness
-from glassworkbench.wall.underside import underside_of
+from glassworkbench.wall.asking.thickness_text import parse_thickness
+from glassworkbench.wall.asking.underside import underside_of
 
 MOLDS = "examples/molds"
 

@@ -9,7 +9,7 @@ from glassworkbench.freecad import FreeCAD, Part
 from glassworkbench.mold import mold_from_shape, read_mold
 from glassworkbench.scene import Mesh, Revolved
 from glassworkbench.wall import METHODS, choose, hollow, parse_thickness
-from glassworkbench.wall.volumes import mesh_volume
+from glassworkbench.wall.measuring.volumes import mesh_volume
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "examples" / "molds"
 

@@ -10,11 +10,11 @@ from meshed_molds import as_mesh, cells_mesh, mesh_mold, uniform
 from glassworkbench.errors import InputError
 from glassworkbench.mold import read_mold, tessellate
 from glassworkbench.scene import ContainerGeometry, Ellipsoid, Revolved
-from glassworkbench.wall.asked import AskedThickness
-from glassworkbench.wall.bezier import line
-from glassworkbench.wall.csg import csg, csg_with
-from glassworkbench.wall.outside import outside
-from glassworkbench.wall.volumes import mesh_volume
+from glassworkbench.wall.asking.asked import AskedThickness
+from glassworkbench.wall.measuring.outside import outside
+from glassworkbench.wall.measuring.volumes import mesh_volume
+from glassworkbench.wall.methods.csg import csg, csg_with
+from glassworkbench.wall.turning.bezier import line
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "examples" / "molds"
 

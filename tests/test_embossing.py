@@ -9,7 +9,7 @@ from glassworkbench.freecad import FreeCAD, Part
 from glassworkbench.mold import mold_from_shape, read_mold
 from glassworkbench.mold.embossing import embossed
 from glassworkbench.mold.tessellation import tessellate
-from glassworkbench.wall.outside import outside
+from glassworkbench.wall.measuring.outside import outside
 
 ROOT = Path(__file__).resolve().parent.parent
 SHARED = ROOT.parent / "shared" / "molds"

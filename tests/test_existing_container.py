@@ -10,8 +10,9 @@ from glassworkbench.freecad import FreeCAD, Part
 from glassworkbench.mold import inspect, mold_from_shape, read_mold
 from glassworkbench.scene import Mesh, Revolved
 from glassworkbench.staging import station
-from glassworkbench.wall import container_from_shape, hollow, offset_check, read_container
-from glassworkbench.wall.volumes import mesh_volume, revolved_volume
+from glassworkbench.wall import container_from_shape, hollow, read_container
+from glassworkbench.wall.measuring.volumes import mesh_volume, revolved_volume
+from glassworkbench.wall.offsetting import offset_check
 
 RADIUS, HEIGHT, WALL, BASE = 30.0, 90.0, 3.0, 4.0
 

@@ -9,11 +9,11 @@ from meshed_molds import as_mesh, ball_bottomed, cells_mesh, mesh_mold, uniform
 
 from glassworkbench.errors import GlassWorkbenchError, InputError
 from glassworkbench.mold import read_mold, tessellate
-from glassworkbench.wall.asked import AskedThickness
-from glassworkbench.wall.faceted import faceted_solid, fewer_facets
-from glassworkbench.wall.inner_mesh import cavity_mesh, inner_mesh
-from glassworkbench.wall.outside import outside
-from glassworkbench.wall.volumes import mesh_volume
+from glassworkbench.wall.asking.asked import AskedThickness
+from glassworkbench.wall.levels.faceted import faceted_solid, fewer_facets
+from glassworkbench.wall.measuring.outside import outside
+from glassworkbench.wall.measuring.volumes import mesh_volume
+from glassworkbench.wall.methods.inner_mesh import cavity_mesh, inner_mesh
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "examples" / "molds"
 

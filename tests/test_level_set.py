@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from glassworkbench.wall.cavity_nodes import joined, without_border
-from glassworkbench.wall.dual_surface import dual_surface, without_ambiguity
-from glassworkbench.wall.level_set import sampled
+from glassworkbench.wall.levels.cavity_nodes import joined, without_border
+from glassworkbench.wall.levels.dual_surface import dual_surface, without_ambiguity
+from glassworkbench.wall.levels.level_set import sampled
 
 
 def test_few_nodes_are_evaluated_and_all_signs_are_right():

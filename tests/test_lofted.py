@@ -9,12 +9,12 @@ import pytest
 from glassworkbench.errors import GlassWorkbenchError, InputError
 from glassworkbench.freecad import FreeCAD, Part
 from glassworkbench.mold import mold_from_shape, tessellate
-from glassworkbench.wall.asked import AskedThickness
-from glassworkbench.wall.half_planes import aligned
-from glassworkbench.wall.loft_surface import LoftSurface, chord_parameters
-from glassworkbench.wall.lofted import lofted
-from glassworkbench.wall.outside import outside
-from glassworkbench.wall.volumes import mesh_volume
+from glassworkbench.wall.asking.asked import AskedThickness
+from glassworkbench.wall.lofting.half_planes import aligned
+from glassworkbench.wall.lofting.loft_surface import LoftSurface, chord_parameters
+from glassworkbench.wall.measuring.outside import outside
+from glassworkbench.wall.measuring.volumes import mesh_volume
+from glassworkbench.wall.methods.lofted import lofted
 
 UP = FreeCAD.Vector(0, 0, 1)
 

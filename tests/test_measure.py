@@ -9,13 +9,13 @@ from glassworkbench.errors import GlassWorkbenchError
 from glassworkbench.freecad import FreeCAD, Part
 from glassworkbench.mold import mold_from_shape, read_mold
 from glassworkbench.mold.tessellation import tessellate
-from glassworkbench.wall.measure import measure_wall, points_on_wall, wall_at
-from glassworkbench.wall.measure_meridian import measure_revolved
-from glassworkbench.wall.outside import outside
-from glassworkbench.wall.profile import wall_meridian
-from glassworkbench.wall.revolved import offset_meridian
+from glassworkbench.wall.asking.thickness_text import parse_thickness
+from glassworkbench.wall.measuring.measure import measure_wall, points_on_wall, wall_at
+from glassworkbench.wall.measuring.measure_meridian import measure_revolved
+from glassworkbench.wall.measuring.outside import outside
+from glassworkbench.wall.methods.revolved import offset_meridian
 from glassworkbench.wall.solids import revolved_solid
-from glassworkbench.wall.thickness_text import parse_thickness
+from glassworkbench.wall.turning.profile import wall_meridian
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "examples" / "molds"
 

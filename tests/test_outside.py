@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from glassworkbench.errors import InputError
 from glassworkbench.scene import Mesh
 from glassworkbench.spatial import nearest
-from glassworkbench.wall.outside import outside_of_mesh
+from glassworkbench.wall.measuring.outside import outside_of_mesh
 
 
 def tube(radius=30.0, height=100.0, sectors=96, levels=2):

@@ -8,10 +8,10 @@ from meshed_molds import cells_mesh, mesh_mold, uniform
 
 from glassworkbench.errors import InputError
 from glassworkbench.mold import read_mold, tessellate
-from glassworkbench.wall.asked import AskedThickness
-from glassworkbench.wall.outside import outside
-from glassworkbench.wall.scaled import scaled, scaled_per_axis
-from glassworkbench.wall.volumes import mesh_volume
+from glassworkbench.wall.asking.asked import AskedThickness
+from glassworkbench.wall.measuring.outside import outside
+from glassworkbench.wall.measuring.volumes import mesh_volume
+from glassworkbench.wall.methods.scaled import scaled, scaled_per_axis
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "examples" / "molds"
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from glassworkbench.freecad import FreeCAD, Part
 from glassworkbench.mold.tessellation import tessellate
 from glassworkbench.scene import Mesh
-from glassworkbench.wall.self_intersection import intersections, self_intersections
+from glassworkbench.wall.measuring.self_intersection import intersections, self_intersections
 
 
 def turned(profile, steps=48):

@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 from scipy.interpolate import PchipInterpolator
 
 from glassworkbench.errors import InputError
-from glassworkbench.wall.interpolation import PeriodicGrid, monotone_cubic
-from glassworkbench.wall.notation import INTERPOLATIONS
-from glassworkbench.wall.thickness import (
+from glassworkbench.wall.asking.interpolation import PeriodicGrid, monotone_cubic
+from glassworkbench.wall.asking.notation import INTERPOLATIONS
+from glassworkbench.wall.asking.thickness import (
     REGIONS,
     BoredThickness,
     FaceThickness,
@@ -19,7 +19,7 @@ from glassworkbench.wall.thickness import (
     TabulatedThickness,
     UniformThickness,
 )
-from glassworkbench.wall.thickness_text import parse_thickness, table_file
+from glassworkbench.wall.asking.thickness_text import parse_thickness, table_file
 
 BOTTLE = SimpleNamespace(
     finish_height_mm=300.0,

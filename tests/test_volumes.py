@@ -12,9 +12,9 @@ from glassworkbench.freecad import FreeCAD, Part
 from glassworkbench.mold import read_mold
 from glassworkbench.mold.tessellation import tessellate
 from glassworkbench.scene import Mesh
-from glassworkbench.wall.contents import Cavity, centre_of_gravity, weight_g
-from glassworkbench.wall.surface import surface_area
-from glassworkbench.wall.volumes import Volume, mesh_volume, volume_below
+from glassworkbench.wall.measuring.contents import Cavity, centre_of_gravity, weight_g
+from glassworkbench.wall.measuring.surface import surface_area
+from glassworkbench.wall.measuring.volumes import Volume, mesh_volume, volume_below
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "examples" / "molds"
 

@@ -10,9 +10,9 @@ from glassworkbench.errors import InputError
 from glassworkbench.freecad import FreeCAD, Part
 from glassworkbench.mold import mold_from_shape
 from glassworkbench.mold.tessellation import tessellate
-from glassworkbench.wall.map_picture import save_picture
-from glassworkbench.wall.outside import outside
-from glassworkbench.wall.wall_map import wall_map
+from glassworkbench.wall.measuring.map_picture import save_picture
+from glassworkbench.wall.measuring.outside import outside
+from glassworkbench.wall.measuring.wall_map import wall_map
 
 
 @pytest.fixture(scope="module")

@@ -11,19 +11,19 @@ from hypothesis import strategies as st
 from glassworkbench.errors import GlassWorkbenchError, InputError
 from glassworkbench.mold import read_mold, tessellate
 from glassworkbench.scene import Revolved
-from glassworkbench.wall.along_meridian import AlongMeridian
-from glassworkbench.wall.asked import AskedThickness
-from glassworkbench.wall.bezier import crossings, evaluate, fit_cubic, line, polyline, unit
-from glassworkbench.wall.bore import Bore
-from glassworkbench.wall.inner_meridian import offset_meridian
-from glassworkbench.wall.measure_meridian import measure_revolved
-from glassworkbench.wall.outside import outside
-from glassworkbench.wall.profile import wall_meridian
-from glassworkbench.wall.revolved import revolved
-from glassworkbench.wall.thickness_text import parse_thickness
-from glassworkbench.wall.turned_mesh import turned_mesh
-from glassworkbench.wall.unfolding import clearance
-from glassworkbench.wall.volumes import mesh_volume, revolved_volume
+from glassworkbench.wall.asking.asked import AskedThickness
+from glassworkbench.wall.asking.bore import Bore
+from glassworkbench.wall.asking.thickness_text import parse_thickness
+from glassworkbench.wall.measuring.measure_meridian import measure_revolved
+from glassworkbench.wall.measuring.outside import outside
+from glassworkbench.wall.measuring.volumes import mesh_volume, revolved_volume
+from glassworkbench.wall.methods.revolved import revolved
+from glassworkbench.wall.turning.along_meridian import AlongMeridian
+from glassworkbench.wall.turning.bezier import crossings, evaluate, fit_cubic, line, polyline, unit
+from glassworkbench.wall.turning.inner_meridian import offset_meridian
+from glassworkbench.wall.turning.profile import wall_meridian
+from glassworkbench.wall.turning.turned_mesh import turned_mesh
+from glassworkbench.wall.turning.unfolding import clearance
 
 
 def arc(centre, radius, start_deg, end_deg):

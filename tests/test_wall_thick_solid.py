@@ -3,12 +3,12 @@ import pytest
 
 from glassworkbench.errors import GlassWorkbenchError, InputError
 from glassworkbench.freecad import FreeCAD, Part
-from glassworkbench.wall import thick_solid as method
-from glassworkbench.wall.healing import has_kinks, healed
-from glassworkbench.wall.offset_check import check_offset, facets, facets_volume
-from glassworkbench.wall.offset_ways import WAYS, cavity_past_mouth
-from glassworkbench.wall.thick_solid import thick_wall, thick_wall_per_face
-from glassworkbench.wall.zones import zones_over_height
+from glassworkbench.wall.methods import thick_solid as method
+from glassworkbench.wall.methods.thick_solid import thick_wall, thick_wall_per_face
+from glassworkbench.wall.offsetting.healing import has_kinks, healed
+from glassworkbench.wall.offsetting.offset_check import check_offset, facets, facets_volume
+from glassworkbench.wall.offsetting.offset_ways import WAYS, cavity_past_mouth
+from glassworkbench.wall.offsetting.zones import zones_over_height
 
 HEIGHT, HALF, CORNER = 100.0, 30.0, 10.0
 

@@ -13,7 +13,7 @@ from glassworkbench.mold import mold_from_shape
 from glassworkbench.scene import ContainerGeometry
 from glassworkbench.settings import unknown_name
 from glassworkbench.wall import METHODS, Container, hollow
-from glassworkbench.wall.thickness_text import parse_thickness
+from glassworkbench.wall.asking.thickness_text import parse_thickness
 
 SCHEMA_VERSION = 1
 

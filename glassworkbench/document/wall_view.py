@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from glassworkbench.wall.wall_map import WallMap
+from glassworkbench.wall.measuring.wall_map import WallMap
 
 PALETTE = np.array([[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]]) / 255.0
 """From the thinnest to the thickest wall; the same hues as in the map's picture (viridis)."""

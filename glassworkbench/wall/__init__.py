@@ -1,9 +1,6 @@
 """From a mold and a thickness to a hollow container, measured; and containers that are hollow already."""
 
-from glassworkbench.wall.choose import METHODS, HollowingError, hollow
-from glassworkbench.wall.container import Container, WallReport
-from glassworkbench.wall.existing import container_from_shape, read_container
-from glassworkbench.wall.thickness import (
+from glassworkbench.wall.asking.thickness import (
     BoredThickness,
     FaceThickness,
     GridThickness,
@@ -12,7 +9,10 @@ from glassworkbench.wall.thickness import (
     Thickness,
     UniformThickness,
 )
-from glassworkbench.wall.thickness_text import parse_thickness
+from glassworkbench.wall.asking.thickness_text import parse_thickness
+from glassworkbench.wall.choose import METHODS, HollowingError, hollow
+from glassworkbench.wall.container import Container, WallReport
+from glassworkbench.wall.existing import container_from_shape, read_container
 
 __all__ = [
     "METHODS",

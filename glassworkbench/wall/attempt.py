@@ -10,21 +10,21 @@ import numpy as np
 from glassworkbench.mold import Mold, tessellate
 from glassworkbench.mold.tessellation import outside_mesh
 from glassworkbench.scene import Mesh
-from glassworkbench.wall.asked import AskedThickness
+from glassworkbench.wall.asking.asked import AskedThickness
+from glassworkbench.wall.asking.thickness import Thickness
 from glassworkbench.wall.candidate import Candidate
 from glassworkbench.wall.container import SolidFacts
-from glassworkbench.wall.csg import csg
-from glassworkbench.wall.inner_mesh import inner_mesh
-from glassworkbench.wall.lofted import lofted
-from glassworkbench.wall.measure import WallMeasure, in_finish_plane, measure_wall
-from glassworkbench.wall.outside import DEVIATION_MM, Outside, is_mouth, outside
-from glassworkbench.wall.revolved import revolved
-from glassworkbench.wall.scaled import scaled, scaled_per_axis
-from glassworkbench.wall.self_intersection import intersections, self_intersections
-from glassworkbench.wall.surface import surface_area
-from glassworkbench.wall.thick_solid import thick_solid
-from glassworkbench.wall.thickness import Thickness
-from glassworkbench.wall.volumes import Volume, mesh_volume, revolved_volume
+from glassworkbench.wall.measuring.measure import WallMeasure, in_finish_plane, measure_wall
+from glassworkbench.wall.measuring.outside import DEVIATION_MM, Outside, is_mouth, outside
+from glassworkbench.wall.measuring.self_intersection import intersections, self_intersections
+from glassworkbench.wall.measuring.surface import surface_area
+from glassworkbench.wall.measuring.volumes import Volume, mesh_volume, revolved_volume
+from glassworkbench.wall.methods.csg import csg
+from glassworkbench.wall.methods.inner_mesh import inner_mesh
+from glassworkbench.wall.methods.lofted import lofted
+from glassworkbench.wall.methods.revolved import revolved
+from glassworkbench.wall.methods.scaled import scaled, scaled_per_axis
+from glassworkbench.wall.methods.thick_solid import thick_solid
 
 MAKERS: dict[str, Callable[[Mold, AskedThickness, Outside, float], Candidate]] = {
     "revolved": revolved,

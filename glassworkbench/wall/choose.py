@@ -12,12 +12,12 @@ from glassworkbench.mold import Mold
 from glassworkbench.mold.mold import moved
 from glassworkbench.scene.validate import positive
 from glassworkbench.settings import unknown_name
-from glassworkbench.wall.asked import AskedThickness
+from glassworkbench.wall.asking.asked import AskedThickness
+from glassworkbench.wall.asking.thickness import Thickness, UniformThickness
+from glassworkbench.wall.asking.thickness_text import parse_thickness
 from glassworkbench.wall.attempt import MAKERS, Attempted, attempt
 from glassworkbench.wall.container import Attempt, Container, WallReport
-from glassworkbench.wall.contents import centre_of_gravity, weight_g
-from glassworkbench.wall.thickness import Thickness, UniformThickness
-from glassworkbench.wall.thickness_text import parse_thickness
+from glassworkbench.wall.measuring.contents import centre_of_gravity, weight_g
 from glassworkbench.wall.worker import run_in_worker
 
 METHODS = ("auto", *MAKERS)

@@ -13,14 +13,14 @@ from glassworkbench.freecad import FreeCAD, Part
 from glassworkbench.mold import Mold, outer_meridian
 from glassworkbench.output import check_writable, written_aside
 from glassworkbench.scene import ContainerGeometry, Mesh, Revolved, Surface
-from glassworkbench.wall.contents import LIQUID_G_PER_CM3, Cavity, FillPoint, centre_of_gravity
-from glassworkbench.wall.map_picture import save_picture
-from glassworkbench.wall.measure import WallMeasure
-from glassworkbench.wall.outside import Outside, outside
+from glassworkbench.wall.asking.thickness import Thickness
+from glassworkbench.wall.measuring.contents import LIQUID_G_PER_CM3, Cavity, FillPoint, centre_of_gravity
+from glassworkbench.wall.measuring.map_picture import save_picture
+from glassworkbench.wall.measuring.measure import WallMeasure
+from glassworkbench.wall.measuring.outside import Outside, outside
+from glassworkbench.wall.measuring.volumes import Volume
+from glassworkbench.wall.measuring.wall_map import WallMap, wall_map
 from glassworkbench.wall.seen import seen_surface
-from glassworkbench.wall.thickness import Thickness
-from glassworkbench.wall.volumes import Volume
-from glassworkbench.wall.wall_map import WallMap, wall_map
 
 ENDINGS = (".step", ".stp", ".brep", ".fcstd", ".stl")
 

@@ -17,7 +17,7 @@ from glassworkbench.mold.placing import moved, placement_of
 from glassworkbench.mold.read import read_shape
 from glassworkbench.scene import ContainerGeometry, Revolved
 from glassworkbench.wall.container import geometry_within
-from glassworkbench.wall.revolved import PAST_MOUTH_MM
+from glassworkbench.wall.methods.revolved import PAST_MOUTH_MM
 from glassworkbench.wall.seen import fine_mesh, seen_surface
 
 

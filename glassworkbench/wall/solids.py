@@ -8,7 +8,7 @@ import numpy as np
 
 from glassworkbench.errors import GlassWorkbenchError
 from glassworkbench.freecad import FreeCAD, Part
-from glassworkbench.wall.inner_meridian import CavityMeridian
+from glassworkbench.wall.turning.inner_meridian import CavityMeridian
 
 STRAIGHT_MM = 1e-6
 """A cubic whose inner control points lie this close to its chord is a line."""

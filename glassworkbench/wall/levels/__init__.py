@@ -1,0 +1,1 @@
+"""The inside as a level set, for the method `inner_mesh`."""

@@ -1,0 +1,1 @@
+"""What came out: the wall against what was asked, crossings, volumes, contents, pictures."""

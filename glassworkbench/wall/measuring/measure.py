@@ -1,0 +1,152 @@
+"""The wall that came out, at many points of the inside, against the wall that was asked for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from glassworkbench.errors import GlassWorkbenchError
+from glassworkbench.scene import Mesh
+from glassworkbench.wall.measuring.outside import LIP_ZONE_MM, Outside
+from glassworkbench.wall.measuring.surface import facets, spread
+from glassworkbench.wall.turning.profile import FLOOR_ROUNDING
+
+SAMPLES = 3000
+"""Points on the inner surface that are measured."""
+
+LEVEL_MM = 1e-4
+"""What is this close to the finish plane lies in it."""
+
+BEHIND_MM = 1e-3
+"""Where embossing decides about the wall to this, the inner point lies behind it."""
+
+
+@dataclass(frozen=True, eq=False)
+class WallMeasure:
+    """How the wall came out.
+
+    Parameters
+    ----------
+    samples : int
+        Points measured, spread evenly over the inner surface by area. The lip and a stem are not wall.
+    minimum_mm : float
+    minimum_at_mm : array (3,)
+        The inner point of the thinnest wall, upright.
+    deviation_max_mm, deviation_p99_mm, deviation_rms_mm : float
+        Of the distance to an outer point, from the thickness asked there.
+    thinner_than_asked_max : float
+        By which share of the thickness asked the wall is thinner where that is worst; 0 if it is nowhere.
+    """
+
+    samples: int
+    minimum_mm: float
+    minimum_at_mm: np.ndarray
+    deviation_max_mm: float
+    deviation_p99_mm: float
+    deviation_rms_mm: float
+    thinner_than_asked_max: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class WallAtPoints:
+    """The wall at points of the inside.
+
+    Parameters
+    ----------
+    points_mm : array (n, 3)
+        Upright.
+    distance_mm : array (n,)
+        To the outside: the thickness got.
+    asked_mm : array (n,)
+        At the outer point that decides.
+    deviation_mm : array (n,)
+        Above 0 where the wall is thicker than asked. Behind embossing, under a rounded lip and over a stem
+        that is no deviation: 0 there.
+    """
+
+    points_mm: np.ndarray
+    distance_mm: np.ndarray
+    asked_mm: np.ndarray
+    deviation_mm: np.ndarray
+
+
+def measure_wall(inside: Mesh, wall: Outside, *, stem_top_mm: float = 0.0, samples: int = SAMPLES) -> WallMeasure:
+    """Measure the inside of a container against its outside, whatever made it.
+
+    Where the thickness changes quickly, the outer point that decides is not the nearest one, but the one whose
+    thickness reaches farthest in; the deviation is taken there, and is two-sided.
+
+    Parameters
+    ----------
+    inside : Mesh
+        The cavity, upright, closed level at the finish plane; its vertices, with their normals, lie on its surface.
+    wall : Outside
+    stem_top_mm : float
+        `Anatomy.stem_top_mm`: below it the glass is solid, and the bowl's floor over it is a free choice.
+    samples : int
+
+    Raises
+    ------
+    GlassWorkbenchError
+        If all of the inside lies in the finish plane or the lip.
+    """
+    found = wall_at(points_on_wall(inside, samples), wall, stem_top_mm=stem_top_mm)
+    below_lip = found.points_mm[:, 2] < wall.lip_height_mm - found.asked_mm
+    if not np.any(below_lip):
+        raise GlassWorkbenchError("the cavity does not reach below the lip; ask for a thinner wall")
+    points, distance = found.points_mm[below_lip], found.distance_mm[below_lip]
+    deviation, asked = found.deviation_mm[below_lip], found.asked_mm[below_lip]
+    thinnest = int(np.argmin(distance))
+    size = np.abs(deviation)
+    return WallMeasure(
+        samples=len(points),
+        minimum_mm=float(distance[thinnest]),
+        minimum_at_mm=points[thinnest],
+        deviation_max_mm=float(size.max()),
+        deviation_p99_mm=float(np.percentile(size, 99.0)),
+        deviation_rms_mm=float(np.sqrt(np.mean(size**2))),
+        thinner_than_asked_max=float(max(0.0, np.max(-deviation / asked))),
+    )
+
+
+def points_on_wall(inside: Mesh, count: int) -> np.ndarray:
+    """Return points (count, 3) of the inner surface, evenly by area, without the plane that closes the mouth."""
+    return spread(inside, ~in_finish_plane(inside), count)
+
+
+def in_finish_plane(inside: Mesh) -> np.ndarray:
+    """Return which triangles (m,) close a cavity at the finish plane."""
+    corners = inside.vertices_mm[inside.triangles]
+    return np.all(corners[:, :, 2] > inside.vertices_mm[:, 2].max() - LEVEL_MM, axis=1) & (facets(corners)[:, 2] > 0.0)
+
+
+def wall_at(points_mm: np.ndarray, wall: Outside, *, stem_top_mm: float = 0.0) -> WallAtPoints:
+    """Return the wall at points (n, 3) of the inside, upright."""
+    decisive = wall.clearance(points_mm)
+    asked = decisive.distance_mm - decisive.clearance_mm
+    deviation = decisive.clearance_mm
+    free = np.zeros(len(points_mm), dtype=bool)
+    embossing = wall.embossing()
+    if embossing is not None:
+        free |= embossing.clearance(points_mm).clearance_mm <= deviation + BEHIND_MM
+    if wall.lip_height_mm < wall.finish_height_mm - LEVEL_MM:
+        # A rounded lip leaves less land to seal on than a thin wall needs: near it the wall may be thicker.
+        free |= points_mm[:, 2] > wall.finish_height_mm - LIP_ZONE_MM - asked
+    if stem_top_mm > 0.0:
+        free |= decisive.feet_mm[:, 2] < _bowl_from(wall, stem_top_mm)
+    deviation = np.where(free, np.minimum(deviation, 0.0), deviation)
+    return WallAtPoints(points_mm, wall.distance(points_mm).distance_mm, asked, deviation)
+
+
+def _bowl_from(wall: Outside, stem_top_mm: float) -> float:
+    """Return the height above a stem from which on a round floor fits in: below it, no inside can follow the outside.
+
+    A ball on the axis that touches the outside has the radius r / n_r, n_r the outward part of the normal there.
+    """
+    points, normals = wall.corners_mm.reshape(-1, 3), wall.normals.reshape(-1, 3)
+    radius = np.hypot(points[:, 0], points[:, 1])
+    outward = np.einsum("ij,ij->i", points[:, :2], normals[:, :2]) / np.maximum(radius, 1e-300)
+    fits = radius >= FLOOR_ROUNDING * wall.thickness_mm.ravel() * np.maximum(outward, 0.0)
+    fits &= (normals[:, 2] < 0.0) & (outward > 0.0) & (points[:, 2] >= stem_top_mm)
+    return float(points[fits, 2].min()) if np.any(fits) else stem_top_mm

@@ -1,0 +1,1 @@
+"""OCC's offset made to hold, for the method `thick_solid`."""

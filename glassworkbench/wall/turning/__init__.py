@@ -1,0 +1,1 @@
+"""The meridian offset inward in the half-plane, for the method `revolved`."""
