@@ -60,7 +60,7 @@ def assert_hits_lie_on_the_faces(shape, surface, rays, sampled):
     origins, directions = tracer_scenes.rays_through(scene, rays, seed=51)
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
     answer = native.radiance(scene, origins, directions)
-    assert answer.leaks.sum() <= 1e-5 * answer.crossings.sum()
+    assert answer.leaks.sum() == 0
     met = np.flatnonzero(np.isfinite(answer.depth_mm))[:sampled]
     assert len(met) == sampled
     points = origins[met] + answer.depth_mm[met, None] * directions[met]
@@ -74,14 +74,13 @@ def test_hits_lie_on_the_faces_of_the_cad_program(name):
     shape = SHAPES[name]()
     surface = exact_surface(shape)
     assert len(surface.sheets) == len(shape.Faces)
-    assert_hits_lie_on_the_faces(shape, surface, 20_000, 100)
+    assert_hits_lie_on_the_faces(shape, surface, 10_000, 30)
 
 
 @needs_native
-@pytest.mark.parametrize("name", ["whisky_flask", "perfume_flacon"])
-def test_a_lofted_example_is_met_on_its_faces(name):
-    upright = read_mold(ROOT / "examples" / "molds" / f"{name}.step").upright
-    assert_hits_lie_on_the_faces(upright, exact_surface(upright), 10_000, 30)
+def test_a_lofted_example_is_met_on_its_faces():
+    upright = read_mold(ROOT / "examples" / "molds" / "perfume_flacon.step").upright
+    assert_hits_lie_on_the_faces(upright, exact_surface(upright), 2_000, 10)
 
 
 @needs_native
@@ -93,7 +92,7 @@ def test_a_thread_of_degree_twelve_with_loose_edges_is_met_on_its_faces():
     surface = exact_surface(upright)
     assert max(max(sheet.degrees) for sheet in surface.sheets) == 12
     assert surface.deviation_mm > 0.01
-    assert_hits_lie_on_the_faces(upright, surface, 10_000, 30)
+    assert_hits_lie_on_the_faces(upright, surface, 2_000, 10)
 
 
 @pytest.mark.parametrize("name", SHAPES)
