@@ -445,7 +445,10 @@ def _read_step(path: Path) -> Surface:
     mold = read_mold(path)
     if mold.anatomy.is_revolved:
         return Revolved(outer_meridian(mold), mold.placement[:3, 3], mold.placement[:3, 2])
-    return seen_surface(mold.solid, "the body")[0]
+    surface, notes = seen_surface(mold.solid, path.name)
+    for note in notes:
+        print("glassworkbench:", note, file=sys.stderr)
+    return surface
 
 
 def _traced(scene: Scene, options: argparse.Namespace, effects: Mapping[str, bool]) -> Image:

@@ -30,6 +30,12 @@ AT_POLE = 1e-7
 COLLAPSED = 1e-7
 """Length of an edge's tangent, relative to its triangle, below which the edge is collapsed into a pole."""
 
+MEETING_STEPS = 4
+"""Newton's steps from an edge to where the sheets on its sides meet."""
+
+TANGENT = 1e-2
+"""Sine of the angle between sheets below which where they meet is not sharp: a crossing there is off by less still."""
+
 TOWARDS_MIDDLE = 1e-7
 """Share of the way to a triangle's middle at which a collapsed edge's normal is taken: the limit, but for 1e-7 rad."""
 
@@ -159,7 +165,8 @@ def _edges(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the edges' points, which edge is on each side, and in which sense: see `CurvedTriangles`.
 
-    The sheets on both sides of an edge know its points each; the edge has the mean of them.
+    The sheets on both sides of an edge know its points each; the edge has the mean of them, moved to where the sheets
+    meet if they are two: a ray that enters through one just beyond its crease would else never leave by the other.
     """
     places, place = np.unique(corners.reshape(-1, 3), axis=0, return_inverse=True)
     start = place.reshape(-1, 3)
@@ -172,14 +179,55 @@ def _edges(
     count = 2 * EDGE_PIECES + 1
     way = np.arange(count) / (count - 1)
     points = np.zeros((len(ends), count, 3))
+    sheets = np.zeros((len(ends), 2), dtype=np.int64)
+    near = np.zeros((len(ends), 2, count, 2))
     for side, (p, q) in enumerate([(way, 0.0 * way), (1.0 - way, way), (0.0 * way, 1.0 - way)]):
         row = np.repeat(np.arange(len(corners)), count)
         share = np.tile(np.column_stack([p, q]), (len(corners), 1))
         found = evaluate(patches, sheet, uv, pole, row, share)[0].reshape(-1, count, 3)
         np.add.at(points, edge[:, side], np.where(along[:, side, None, None], found, found[:, ::-1]))
+        straight = uv[:, None, side] + way[:, None] * (uv[:, (side + 1) % 3] - uv[:, side])[:, None]
+        hand = along[:, side].astype(np.int64)
+        sheets[edge[:, side], hand] = sheet
+        near[edge[:, side], hand] = np.where(along[:, side, None, None], straight, straight[:, ::-1])
     points /= np.bincount(edge.ravel(), minlength=len(ends))[:, None, None]
+    creased = np.flatnonzero(sheets[:, 0] != sheets[:, 1])
+    points[creased] = _where_sheets_meet(patches, sheets[creased], near[creased], points[creased])
     points[:, 0], points[:, -1] = places[ends[:, 0]], places[ends[:, 1]]
     return points, edge.astype(np.int32), along
+
+
+def _where_sheets_meet(patches: Patches, sheets: np.ndarray, uv: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Return points (e, s, 3) moved along the normals of two sheets (e, 2) to both, from parameters (e, 2, s, 2) near.
+
+    Where the sheets are tangent, to midway between them. What would move farther than a quarter of its edge is left.
+    """
+    moved, uv = points.reshape(-1, 3).copy(), uv.copy()
+    for _ in range(MEETING_STEPS):
+        normals, heights = [], []
+        for side in (0, 1):
+            sheet = np.repeat(sheets[:, side], points.shape[1])
+            place, by_u, by_v = patches.evaluate(sheet, uv[:, side].reshape(-1, 2))
+            gap = moved - place
+            uu, cross, vv = (np.einsum("ij,ij->i", a, b) for a, b in ((by_u, by_u), (by_u, by_v), (by_v, by_v)))
+            along_u, along_v = np.einsum("ij,ij->i", gap, by_u), np.einsum("ij,ij->i", gap, by_v)
+            determinant = uu * vv - cross**2
+            inverse = np.where(determinant > 1e-14 * uu * vv, 1.0, 0.0) / np.where(determinant > 0.0, determinant, 1.0)
+            step = inverse[:, None] * np.column_stack([vv * along_u - cross * along_v, uu * along_v - cross * along_u])
+            uv[:, side] += step.reshape(uv[:, side].shape)
+            normals.append(_unit(np.cross(by_u, by_v)))
+            heights.append(np.einsum("ij,ij->i", gap, normals[-1]))
+        cosine = np.einsum("ij,ij->i", *normals)
+        sine_squared = 1.0 - cosine**2
+        tangent = sine_squared < TANGENT**2
+        sine_squared = np.where(tangent, 1.0, sine_squared)
+        first = np.where(tangent, 0.5 * heights[0], (heights[0] - cosine * heights[1]) / sine_squared)
+        second = np.where(tangent, 0.5 * heights[1], (heights[1] - cosine * heights[0]) / sine_squared)
+        moved = moved - first[:, None] * normals[0] - second[:, None] * normals[1]
+    moved = moved.reshape(points.shape)
+    length = np.linalg.norm(points[:, -1] - points[:, 0], axis=1)[:, None, None]
+    near = np.linalg.norm(moved - points, axis=2, keepdims=True) <= 0.25 * length
+    return np.where(near, moved, points)
 
 
 def _unit(vectors: np.ndarray) -> np.ndarray:

@@ -36,6 +36,9 @@ MAKERS: dict[str, Callable[[Mold, AskedThickness, Outside, float], Candidate]] =
     "scaled_per_axis": scaled_per_axis,
 }
 
+MAKING_SHARE = 0.7
+"""What a method may use of the time; the rest is for measuring."""
+
 THINNER_SHARE = 0.05
 """Nowhere may the wall be thinner than asked by more than this share of it."""
 
@@ -88,7 +91,7 @@ def attempt(mold: Mold, thickness: Thickness, method: str, tolerance_mm: float, 
     """
     asked = thickness.on(mold)
     wall = outside(mold, asked.at, min(DEVIATION_MM, DEVIATION_SHARE * asked.minimum_mm))
-    candidate = MAKERS[method](mold, asked, wall, seconds)
+    candidate = MAKERS[method](mold, asked, wall, MAKING_SHARE * seconds)
     measured = measure_wall(candidate.inside, wall, stem_top_mm=mold.anatomy.stem_top_mm)
     capacity = _capacity(candidate)
     outer, faces = outside_mesh(mold, MESH_DEVIATION_MM)

@@ -35,7 +35,7 @@ class Rung:
 
 
 ROUND = (Rung("revolved", 0.4), Rung("lofted", 0.5), Rung("thick_solid", 0.4), Rung("inner_mesh", 1.0))
-UNIFORM = (Rung("thick_solid", 0.3), Rung("lofted", 0.5), Rung("inner_mesh", 1.0))
+UNIFORM = (Rung("thick_solid", 0.15), Rung("lofted", 0.5), Rung("inner_mesh", 1.0))
 VARYING = (Rung("lofted", 0.5), Rung("inner_mesh", 1.0))
 MESHED = (Rung("lofted", 0.4), Rung("inner_mesh", 1.0))
 """The ladders: for (nearly) round molds, for others with a wall that is the same everywhere or not, for meshes."""

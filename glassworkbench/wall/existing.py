@@ -34,7 +34,7 @@ def read_container(path: str | os.PathLike, *, scale_to_mm: float | None = None)
     Returns
     -------
     ContainerGeometry
-        Exact where the container is one of revolution. It has no cavity where the rim is rounded, as nothing then
+        It has no cavity where the rim is rounded, as nothing then
         parts the inside from the outside.
 
     Raises
