@@ -15,7 +15,7 @@ from glassworkbench.mold.tessellation import WELD_MM, meshed_faces
 from glassworkbench.scene import Mesh, Patches, Sheet
 
 DEVIATION_MM = 0.1
-"""Of the mesh that joins the sheets; a finer one is not seen, and a coarser one not traced faster."""
+"""Of the mesh that joins the sheets; a finer one is not seen."""
 
 ROUNDING_MM = 1e-4
 """Farthest that a node may lie off its face besides the shape's own tolerances."""
