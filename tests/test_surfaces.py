@@ -55,15 +55,12 @@ def scene_of(surface):
 
 
 def assert_hits_lie_on_the_faces(shape, surface, rays, sampled):
-    """No leak to speak of, and the first hits as near to OCC's faces as floating point allows.
-
-    A ray that cuts off less of a crease than the parabolas along it are off may leave there before it enters.
-    """
+    """No leak, and the first hits as near to OCC's faces as floating point allows."""
     scene = scene_of(surface)
     origins, directions = tracer_scenes.rays_through(scene, rays, seed=51)
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
     answer = native.radiance(scene, origins, directions)
-    assert answer.leaks.sum() <= 2
+    assert answer.leaks.sum() == 0
     met = np.flatnonzero(np.isfinite(answer.depth_mm))[:sampled]
     assert len(met) == sampled
     points = origins[met] + answer.depth_mm[met, None] * directions[met]
@@ -71,8 +68,13 @@ def assert_hits_lie_on_the_faces(shape, surface, rays, sampled):
     assert max(distances) < 1e-6
 
 
+GRAZES_A_CREASE = pytest.mark.xfail(
+    reason="2 of 52,000 crossings leak: a ray that cuts off less of a crease than its parabolas are off (issue 4)"
+)
+
+
 @needs_native
-@pytest.mark.parametrize("name", SHAPES)
+@pytest.mark.parametrize("name", ["seamed", "bored", "cone", pytest.param("lofted", marks=GRAZES_A_CREASE)])
 def test_hits_lie_on_the_faces_of_the_cad_program(name):
     shape = SHAPES[name]()
     surface = exact_surface(shape)
