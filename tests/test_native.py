@@ -139,13 +139,7 @@ def test_an_apex_a_rounding_error_off_still_looks_along_the_axis():
     np.testing.assert_allclose(path[1].point_mm, [0.0, 0.0, -10.0], atol=1e-9)
 
 
-@pytest.mark.parametrize(
-    "fill_radius",
-    [
-        pytest.param(10.0, marks=pytest.mark.xfail(reason="touches the ball along its equator: issue 4", strict=False)),
-        12.0,
-    ],
-)
+@pytest.mark.parametrize("fill_radius", [10.0, 12.0])
 def test_bodies_that_coincide_do_not_leak(fill_radius):
     ball = tracer_scenes.revolved_ball(10.0)
     bodies = (Body("outer", ball), Body("coat", ball), Body("fill", tracer_scenes.cylinder(fill_radius, -5.0, 0.0)))
