@@ -11,13 +11,15 @@ import numpy as np
 from glassworkbench.errors import GlassWorkbenchError
 from glassworkbench.freecad import FreeCAD, Part
 from glassworkbench.mold import Mold, outer_meridian
+from glassworkbench.mold.tessellation import outside_mesh
 from glassworkbench.output import check_writable, written_aside
 from glassworkbench.scene import ContainerGeometry, Mesh, Revolved, Surface
 from glassworkbench.wall.asking.thickness import Thickness
+from glassworkbench.wall.glass_mesh import glass_mesh, write_stl
 from glassworkbench.wall.measuring.contents import LIQUID_G_PER_CM3, Cavity, FillPoint, centre_of_gravity
 from glassworkbench.wall.measuring.map_picture import save_picture
 from glassworkbench.wall.measuring.measure import WallMeasure
-from glassworkbench.wall.measuring.outside import Outside, outside
+from glassworkbench.wall.measuring.outside import DEVIATION_MM, Outside, is_mouth, outside
 from glassworkbench.wall.measuring.volumes import Volume
 from glassworkbench.wall.measuring.wall_map import WallMap, wall_map
 from glassworkbench.wall.seen import seen_surface
@@ -209,12 +211,19 @@ class Container:
         InputError
             If the ending is unknown or the folder cannot be written to.
         GlassWorkbenchError
-            If writing fails.
+            If writing fails, or there are only meshes and the ending is not that of a mesh.
         """
         path = check_writable(path, ENDINGS)
+        if self.solid is None and path.suffix.lower() != ".stl":
+            raise GlassWorkbenchError(f"{path}: the container is a mesh, which can be written as STL only; name it so")
         with written_aside(path) as aside:
             try:
-                _write(self.solid, self.mold.name, aside)
+                if self.solid is None:
+                    outer, faces = outside_mesh(self.mold, DEVIATION_MM)
+                    glass = glass_mesh(outer, is_mouth(self.mold, faces), self.inside)
+                    write_stl(glass, self.mold.placement, aside)
+                else:
+                    _write(self.solid, self.mold.name, aside)
             except Exception as error:
                 raise GlassWorkbenchError(f"{path}: could not be written ({error})") from error
 
