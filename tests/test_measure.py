@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from measure_meridian import measure_revolved
 
 from glassworkbench.errors import GlassWorkbenchError
 from glassworkbench.freecad import FreeCAD, Part
@@ -11,7 +12,6 @@ from glassworkbench.mold import mold_from_shape, read_mold
 from glassworkbench.mold.tessellation import tessellate
 from glassworkbench.wall.asking.thickness_text import parse_thickness
 from glassworkbench.wall.measuring.measure import measure_wall, points_on_wall, wall_at
-from glassworkbench.wall.measuring.measure_meridian import measure_revolved
 from glassworkbench.wall.measuring.outside import outside
 from glassworkbench.wall.methods.revolved import offset_meridian
 from glassworkbench.wall.solids import revolved_solid

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
+from measure_meridian import measure_revolved
 
 from glassworkbench.errors import GlassWorkbenchError, InputError
 from glassworkbench.mold import read_mold, tessellate
@@ -14,7 +15,6 @@ from glassworkbench.scene import Revolved
 from glassworkbench.wall.asking.asked import AskedThickness
 from glassworkbench.wall.asking.bore import Bore
 from glassworkbench.wall.asking.thickness_text import parse_thickness
-from glassworkbench.wall.measuring.measure_meridian import measure_revolved
 from glassworkbench.wall.measuring.outside import outside
 from glassworkbench.wall.measuring.volumes import mesh_volume, revolved_volume
 from glassworkbench.wall.methods.revolved import revolved

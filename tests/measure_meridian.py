@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+from polyline_distance import distance_to_polyline
 
 from glassworkbench.scene import Mesh
 from glassworkbench.spatial import NearestTriangles
 from glassworkbench.wall.asking.thickness import ThicknessOverHeight
-from glassworkbench.wall.measuring.distance import distance_to_polyline
 from glassworkbench.wall.measuring.measure import SAMPLES, WallMeasure
 from glassworkbench.wall.methods.revolved import clearance
 from glassworkbench.wall.turning.bezier import polyline
