@@ -20,10 +20,20 @@ struct Settings {
 
 struct Answer {
     Colour radiance;
+    Colour left_out;  // weight of the paths that were not followed to their end
     double bound = 0.0;
     double depth = INFINITY;
     std::int64_t crossings = 0;
     std::int64_t leaks = 0;
+};
+
+// The end of a path: at a panel, or out of the scene.
+struct Arrival {
+    std::uint64_t key;
+    Colour weight;
+    Ray ray;
+    Colour light;
+    const Panel* panel;  // none where the path left the scene
 };
 
 struct Crossing {
@@ -42,13 +52,35 @@ public:
     Transport(const Scene& scene, const Settings& settings) : scene_(scene), settings_(settings) {}
 
     Answer radiance(const Ray& camera_ray) {
-        return settings_.absorption ? trace<true>(camera_ray) : trace<false>(camera_ray);
+        return arrivals(camera_ray, [](const Arrival&) {});
+    }
+
+    // The same; each path that arrives at light, or leaves the scene, is handed to `arrive`.
+    template <class Arrive>
+    Answer arrivals(const Ray& camera_ray, Arrive&& arrive) {
+        return settings_.absorption ? trace<true>(camera_ray, arrive) : trace<false>(camera_ray, arrive);
+    }
+
+    // Distance to the first change of medium along the ray, infinite where there is none.
+    double depth(const Ray& ray) const {
+        Path path = start(ray);
+        Answer unused;
+        double travelled = 0.0;
+        for (int i = 0; i < longest_path; ++i) {
+            const Next next = nearest(path);
+            if (next.body < 0 || light_before(path.ray, next.hit.t).panel != nullptr) break;
+            travelled += next.hit.t;
+            const Meeting m = meet(path, next, unused);
+            if (m.medium_before != m.medium_after) return travelled;
+            path = refracted(path, next, m);
+        }
+        return INFINITY;
     }
 
     // The path of the refracted ray (the reflected one where reflection is total), interface by interface.
     template <class Record>
-    void follow(const Ray& start, Record&& record) const {
-        Path path{start, {1, 1, 1}, inside_bits(start), 0, 0, -1, {}};
+    void follow(const Ray& ray, Record&& record) const {
+        Path path = start(ray);
         Answer answer;
         for (int i = 0; i < longest_path; ++i) {
             const Next next = nearest(path);
@@ -66,6 +98,7 @@ private:
     struct Path {
         Ray ray;
         Colour weight;
+        std::uint64_t key;  // the same for paths that met the same bodies in the same ways
         std::uint32_t bits;
         int depth;      // interfaces so far
         int crossings;  // crossings of any kind so far
@@ -77,6 +110,13 @@ private:
         Hit hit;
         int body = -1;
     };
+
+    Path start(const Ray& ray) const { return {ray, {1, 1, 1}, 0, inside_bits(ray), 0, 0, -1, {}}; }
+
+    static std::uint64_t extended(std::uint64_t key, const Next& next, bool through) {
+        key ^= (static_cast<std::uint64_t>(next.body) << 2 | std::uint64_t{next.hit.entering} << 1 | through) + 1;
+        return (key * 0x9E3779B97F4A7C15u) ^ (key >> 29);
+    }
 
     struct Meeting {
         Vector point, normal;  // the normal against the ray
@@ -193,6 +233,7 @@ private:
     static Path reflected(const Path& path, const Next& next, const Meeting& m) {
         return {{m.point, reflected_direction(path, m)},
                 path.weight,
+                extended(path.key, next, false),
                 path.bits,
                 path.depth + 1,
                 path.crossings + 1,
@@ -204,6 +245,7 @@ private:
         const bool interface = m.medium_before != m.medium_after;
         return {{m.point, refracted_direction(path, m)},
                 path.weight,
+                extended(path.key, next, true),
                 m.bits_after,
                 path.depth + interface,
                 path.crossings + 1,
@@ -211,11 +253,11 @@ private:
                 next.hit};
     }
 
-    template <bool absorbing>
-    Answer trace(const Ray& camera_ray) {
+    template <bool absorbing, class Arrive>
+    Answer trace(const Ray& camera_ray, Arrive&& arrive) {
         Answer answer;
         waiting_.clear();
-        waiting_.push_back({camera_ray, {1, 1, 1}, inside_bits(camera_ray), 0, 0, -1, {}});
+        waiting_.push_back(start(camera_ray));
         double travelled = 0.0;
         while (!waiting_.empty()) {
             Path path = waiting_.back();
@@ -230,13 +272,12 @@ private:
                         path.weight = path.weight * Colour{std::exp(-alpha.r * end), std::exp(-alpha.g * end),
                                                            std::exp(-alpha.b * end)};
                 }
-                if (light.panel != nullptr) {
-                    answer.radiance = answer.radiance + path.weight * light.panel->radiance;
-                    break;
-                }
-                if (next.body < 0) {
-                    answer.leaks += path.bits != 0;
-                    answer.radiance = answer.radiance + path.weight * scene_.environment.radiance(path.ray.direction);
+                if (light.panel != nullptr || next.body < 0) {
+                    answer.leaks += light.panel == nullptr && path.bits != 0;
+                    const Colour radiance = light.panel != nullptr ? light.panel->radiance
+                                                                   : scene_.environment.radiance(path.ray.direction);
+                    answer.radiance = answer.radiance + path.weight * radiance;
+                    arrive(Arrival{path.key, path.weight, path.ray, radiance, light.panel});
                     break;
                 }
                 const Meeting m = meet(path, next, answer);
@@ -245,7 +286,7 @@ private:
                 if (m.medium_before != m.medium_after && first_path) answer.depth = travelled;
                 const bool too_deep = m.medium_before != m.medium_after && path.depth >= settings_.maximum_depth;
                 if (too_deep || path.crossings >= longest_path) {
-                    answer.bound += path.weight.largest() * scene_.brightest;
+                    leave_out(path, answer);
                     break;
                 }
                 const double reflectance = m.interface.reflectance;
@@ -277,8 +318,13 @@ private:
     bool keep(const Path& path, Answer& answer) const {
         const double weight = path.weight.largest();
         if (weight >= settings_.cutoff) return true;
-        answer.bound += weight * scene_.brightest;
+        leave_out(path, answer);
         return false;
+    }
+
+    void leave_out(const Path& path, Answer& answer) const {
+        answer.left_out = answer.left_out + path.weight;
+        answer.bound += path.weight.largest() * scene_.brightest;
     }
 
     const Scene& scene_;
