@@ -241,6 +241,8 @@ def _hollow(options: argparse.Namespace) -> None:
     _check_positive(options, "scale", "finish_height", "tolerance", "seconds")
     fill = None if options.fill_point is None else _quantity(options.fill_point)
     container = _hollowed(options)
+    from glassworkbench.wall.asking.shortened import shortened
+
     report = container.report.to_json() | {"input": _input(options.mold), "version": __version__}
     if fill is not None:
         number, unit = fill
@@ -249,7 +251,8 @@ def _hollow(options: argparse.Namespace) -> None:
     container.save(output)
     if options.map is not None:
         container.save_map(options.map)
-    _answer(options, report, f"{', '.join(map(str, outputs))}: {_told_of_wall(report)}")
+    wall = shortened(container.thickness)
+    _answer(options, report, f"{', '.join(map(str, outputs))}: {_told_of_wall(wall, report)}")
 
 
 def _hollowed(options: argparse.Namespace) -> object:
@@ -273,10 +276,10 @@ def _quantity(text: str) -> tuple[float, str]:
     return float(match[1]), match[2]
 
 
-def _told_of_wall(report: Mapping) -> str:
-    wall, fill = report["wall"], report.get("fill_point")
+def _told_of_wall(wall: str, report: Mapping) -> str:
+    deviation, fill = report["wall"]["deviation_p99_mm"], report.get("fill_point")
     return (
-        f"wall {wall['asked']} by {report['method']}, 99 % within {wall['deviation_p99_mm']:.2g} mm, "
+        f"wall {wall} by {report['method']}, 99 % within {deviation:.2g} mm, "
         f"{report['weight_g']:.0f} g, {report['brimful_ml']:.0f} ml brimful"
     ) + (f", {fill['capacity_ml']:.0f} ml up to {fill['level_mm']:.1f} mm" if fill else "")
 
@@ -315,13 +318,11 @@ def _mold_options(options: argparse.Namespace) -> dict[str, object]:
 
 def _container(options: argparse.Namespace, **limits: float | None) -> object:
     """Return the wall room's container; FreeCAD is imported here and not before, as other verbs run without it."""
-    from glassworkbench.wall import hollow, parse_thickness
-
-    thickness = parse_thickness(options.wall)
     from glassworkbench.mold import read_mold
+    from glassworkbench.wall import hollow
 
     mold = read_mold(options.mold, **_mold_options(options))
-    return hollow(mold, thickness, method=options.method or "auto", **limits)
+    return hollow(mold, options.wall, method=options.method or "auto", **limits)
 
 
 def _container_as_it_is(options: argparse.Namespace) -> ContainerGeometry:

@@ -134,6 +134,12 @@ def test_an_impossible_wall_is_refused(cylinder, wall):
         hollow(cylinder, wall)
 
 
+@pytest.mark.parametrize("wall", ["60", "31", "30.5"])
+def test_whatever_wall_is_too_thick_the_same_limit_is_told(cylinder, wall):
+    with pytest.raises(InputError, match=f"{wall} mm fills the container at height .* less than 30.00 mm fits"):
+        hollow(cylinder, wall)
+
+
 def test_unknown_methods_and_impossible_limits_are_refused(cylinder):
     with pytest.raises(InputError, match="revolved"):
         hollow(cylinder, 3, method="revolve")

@@ -14,6 +14,7 @@ from glassworkbench.mold import Mold, outer_meridian
 from glassworkbench.mold.tessellation import outside_mesh
 from glassworkbench.output import check_writable, written_aside
 from glassworkbench.scene import ContainerGeometry, Mesh, Revolved, Surface
+from glassworkbench.wall.asking.shortened import shortened
 from glassworkbench.wall.asking.thickness import Thickness
 from glassworkbench.wall.glass_mesh import glass_mesh, write_stl
 from glassworkbench.wall.measuring.contents import LIQUID_G_PER_CM3, Cavity, FillPoint, centre_of_gravity
@@ -201,7 +202,7 @@ class Container:
         InputError
             If its ending is unknown, its folder cannot be written to, or matplotlib is missing.
         """
-        save_picture(self.map(), f"{self.mold.name}: wall {self.thickness} by {self.method}", path)
+        save_picture(self.map(), f"{self.mold.name}: wall {shortened(self.thickness)} by {self.method}", path)
 
     def save(self, path: str | Path) -> None:
         """Write the solid as STEP, BREP, FCStd or STL, by the path's ending.
