@@ -78,8 +78,30 @@ def main(arguments: Sequence[str]) -> int:
 def _told(error: object, code: int, verbose: bool) -> int:
     if verbose:
         traceback.print_exc()
-    print("glassworkbench:", " ".join(str(error).split()), file=sys.stderr)
+    print("glassworkbench:", _in_options(" ".join(str(error).split())), file=sys.stderr)
     return code
+
+
+_OPTIONS = {
+    "outer_shell=True": "--outer-shell",
+    "block=True": "--block",
+    "close_open_shell=True": "--close",
+    "accept_best=True": "--best",
+    "thickness=": "--wall ",
+    "finish_height_mm=": "--finish-height ",
+    "finish_height_mm": "--finish-height",
+    "scale_to_mm=": "--scale ",
+    "scale_to_mm": "--scale",
+    "tolerance_mm": "--tolerance",
+}
+"""What the rooms call by its name in Python, and how it is called here."""
+
+
+def _in_options(sentence: str) -> str:
+    """Return a sentence of the other rooms in the words of the command line."""
+    for name, option in _OPTIONS.items():
+        sentence = sentence.replace(name, option)
+    return sentence
 
 
 @contextmanager
@@ -154,6 +176,7 @@ def _inspect(options: argparse.Namespace) -> None:
     from glassworkbench.mold import inspect
 
     found = inspect(options.mold, **_mold_options(options))
+    found["faults"] = [_in_options(fault) for fault in found["faults"]]
     print(_json(found) if options.json else "\n".join(_lines(found)))
 
 

@@ -450,3 +450,29 @@ def test_a_terminal_of_unknown_width_gets_a_readable_bar(tmp_path):
     shown = shown_on_terminal(render, columns=0)
     assert re.search(r"rendering +\d+% \|", shown)
     assert "it/s" not in shown
+
+
+def test_errors_speak_of_the_options_of_the_command_line(tmp_path, capsys):
+    import Part
+
+    shells = {
+        "open": (Part.Compound(Part.makeCylinder(20, 60).Faces[:2]), "--close"),
+        "hollow": (
+            Part.makeCylinder(20, 60).cut(Part.makeCylinder(17, 57, Part.Vertex(0, 0, 3).Point)),
+            "--outer-shell",
+        ),
+        "block": (Part.Compound([Part.makeBox(9, 9, 9), Part.makeBox(9, 9, 9, Part.Vertex(9, 0, 0).Point)]), "--block"),
+        "small": (Part.makeCylinder(0.02, 0.06), "--scale 1000"),
+        "round": (Part.makeSphere(20), "--finish-height"),
+    }
+    for name, (shape, option) in shells.items():
+        path = tmp_path / f"{name}.brep"
+        shape.exportBrep(str(path))
+        assert main(["hollow", str(path), "--wall", "3", "-o", str(tmp_path / "x.step")]) == 2
+        told = capsys.readouterr().err
+        assert option in told
+        assert not re.search(r"=True|_mm\b", told), told
+        assert main(["inspect", str(path), "--json"]) == 0
+        assert not re.search(r"=True|_mm\b", " ".join(json.loads(capsys.readouterr().out)["faults"]))
+    assert main(["render", WINE_BOTTLE, "-o", str(tmp_path / "x.png")]) == 2
+    assert "--wall 3" in capsys.readouterr().err

@@ -168,5 +168,6 @@ def test_the_command_line_renders_a_container_as_it_is(tmp_path, capsys):
     assert main([*asked, "--wall", "3"]) == 2
     assert main([*asked, "--outer-shell"]) == 2
     told = capsys.readouterr().err
-    assert "leave the wall (--wall) away" in told
+    assert "leave the wall away" in told
+    assert "(--outer-shell)" in told
     assert "--outer-shell: is for hollowing" in told

@@ -126,7 +126,7 @@ def test_a_small_hole_is_filled_and_told_with_its_place():
 def test_a_large_hole_is_refused_with_its_place_or_closed_when_asked():
     corners = can()
     top = np.all(corners[:, :, 2] > 59.9, axis=1)
-    with pytest.raises(InputError, match=r"hole 56.* mm wide near \(.*, 60\.000\) mm; .*--close"):
+    with pytest.raises(InputError, match=r"hole 56.* mm wide near \(.*, 60\.000\) mm; .*close_open_shell=True"):
         mold_of(corners[~top])
     mold = mold_of(corners[~top], close_open_shell=True)
     assert signed_volume(mold.mesh.vertices_mm, mold.mesh.triangles) == pytest.approx(np.pi * 400 * 60, rel=5e-3)

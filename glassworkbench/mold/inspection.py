@@ -95,7 +95,8 @@ def inspect(
     try:
         if looks_like_block(shape) and not block:
             raise InputError(
-                f"it holds {len(shape.Solids)} solids that look like a mold block; use --block (block=True)"
+                f"it holds {len(shape.Solids)} solids that look like a mold block; "
+                "take the void in them as the mold (block=True)"
             )
         if block or finish_height_mm is not None:
             options = {"block": block, "close_open_shell": close_open_shell, "finish_height_mm": finish_height_mm}

@@ -130,7 +130,7 @@ def hollow(
     raise HollowingError(
         tuple(attempts),
         f"{mold.name}: no method gives a wall of {shortened(thickness)} mm within {tolerance:.3g} mm ({story}); "
-        "ask for another wall, a larger tolerance or more time, or take the best there is (--best, accept_best=True)",
+        "ask for another wall, a larger tolerance or more time, or take the best there is (accept_best=True)",
     )
 
 

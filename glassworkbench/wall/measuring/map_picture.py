@@ -36,7 +36,7 @@ def check_picture(path: str | Path) -> Path:
     except ImportError as error:
         raise InputError(
             "a map of the wall needs matplotlib, which this Python lacks; "
-            "install it (Debian: python3-matplotlib), or leave --map away"
+            "install it (Debian: python3-matplotlib), or do without the map"
         ) from error
     return check_writable(path, ENDINGS)
 
