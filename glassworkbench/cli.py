@@ -11,7 +11,6 @@ import os
 import re
 import signal
 import sys
-import textwrap
 import time
 import traceback
 import warnings
@@ -174,62 +173,11 @@ def _inspect(options: argparse.Namespace) -> None:
     _check_input(options.mold)
     _check_positive(options, "scale", "finish_height")
     from glassworkbench.mold import inspect
+    from glassworkbench.mold.inspection_words import in_words
 
     found = inspect(options.mold, **_mold_options(options))
     found["faults"] = [_in_options(fault) for fault in found["faults"]]
-    print(_json(found) if options.json else "\n".join(_lines(found)))
-
-
-TIED = "\N{NO-BREAK SPACE}"
-"""Between words that stay in one line."""
-
-SHAPE_ENTITY = re.compile(
-    r"(?!.*(STYLE|REPRESENTATION|PCURVE))"
-    r".*(SURFACE|PLANE$|CURVE|^LINE$|CIRCLE|ELLIPSE|PARABOLA|HYPERBOLA|POLYLINE|BREP|SHELL|FACE$)"
-)
-"""Which of a STEP file's entities are told; JSON has all."""
-
-_UNITS = {"_mm3": "mm3", "_mm": "mm", "_deg": "degrees"}
-
-
-def _lines(found: Mapping) -> Iterator[str]:
-    """Yield what was found as two columns: names, and values with their units, one below the other where several."""
-    for key, value in found.items():
-        name, unit = next(
-            ((key.removesuffix(end), unit) for end, unit in _UNITS.items() if key.endswith(end)), (key, "")
-        )
-        told = _told_values(key, value, f" {unit}" if unit and value is not None else "")
-        label = name.replace("_", " ").replace("finish face", "finish is face")
-        for text in told or ["none"]:
-            yield textwrap.fill(text, 110, initial_indent=f"{label:20} ", subsequent_indent=21 * " ")
-            label = ""
-
-
-def _told_values(key: str, value: object, unit: str) -> list[str]:
-    if key == "hollow" and value:
-        return ["yes; the mold can be its outside (--outer-shell)"]
-    if key == "regions" and value is not None:
-        return [f"{region} from {_short(low)} to {_short(high)} mm" for region, (low, high) in value.items()]
-    if key == "departure_at" and value is not None:
-        return [f"height {_short(value['height_mm'])} mm, {_short(value['angle_deg'])} degrees from x about the axis"]
-    if isinstance(value, Mapping):
-        kinds = value if key != "entities" else filter(SHAPE_ENTITY.match, value)
-        told = ", ".join(f"{value[kind]}{TIED}{kind.replace('_', TIED).lower()}" for kind in kinds)
-        return [told] if told else []
-    if isinstance(value, (list, tuple)) and value and isinstance(value[0], str):
-        return [f"- {sentence}" for sentence in value]
-    if isinstance(value, (list, tuple)):
-        return [f"{', '.join(map(_short, value))}{unit}"] if value else []
-    return [f"{_short(value)}{unit}"]
-
-
-def _short(value: object) -> str:
-    if isinstance(value, bool) or value is None:
-        return {True: "yes", False: "no", None: "unknown"}[value]
-    if isinstance(value, float):
-        # Adding 0 makes zero of a minus zero, which rounding leaves of -1e-16.
-        return f"{value:.0f}" if 1e5 <= abs(value) < 1e15 else f"{round(value, 9) + 0.0:.6g}"
-    return str(value)
+    print(_json(found) if options.json else _in_options("\n".join(in_words(found))))
 
 
 # hollow

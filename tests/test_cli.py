@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 from glassworkbench import __version__
-from glassworkbench.cli import _lines, main
+from glassworkbench.cli import main
 from glassworkbench.images import read_image
 from glassworkbench.tracer import render
 
@@ -291,8 +291,26 @@ def test_a_hollow_container_is_inspected_by_its_outer_shell(tmp_path, capsys):
     assert "--outer-shell" in told(capsys)
 
 
-def test_rounding_is_not_told_as_a_length(capsys):
-    assert list(_lines({"base_point_mm": [-8.88e-16, -1.0, 0.25]})) == ["base point           0, -1, 0.25 mm"]
+def test_a_round_mold_is_inspected_in_plain_words(capsys):
+    assert main(["inspect", WINE_BOTTLE]) == 0
+    out = capsys.readouterr().out
+    lines = {line[:20].strip(): line[21:] for line in out.splitlines()}
+    assert lines["round"] == "yes, a body of revolution"
+    assert lines["mouth"] == "face 18"
+    assert out.index("finish from") < out.index("neck from") < out.index("base from")
+    assert "7\N{NO-BREAK SPACE}surfaces\N{NO-BREAK SPACE}of\N{NO-BREAK SPACE}revolution" in lines["faces"]
+    assert "departure" not in out
+
+
+def test_what_stands_out_from_a_round_mold_is_told_with_its_place(capsys):
+    assert main(["inspect", str(ROOT / "examples" / "molds" / "jar.step")]) == 0
+    out = " ".join(capsys.readouterr().out.split())
+    assert re.search(r"round nearly: it departs from a body of revolution by up to 1\.5 mm, the most at height", out)
+
+
+def test_an_axis_that_is_rounded_is_told_without_a_minus_zero():
+    number = pytest.importorskip("glassworkbench.mold.inspection_words").number
+    assert [number(value) for value in (-8.88e-16, -1.0, 0.25, 1234567.8)] == ["0", "-1", "0.25", "1234568"]
 
 
 @pytest.mark.parametrize("asked", [["--tolerance", "0.01"], ["--seconds", "1"]])

@@ -185,7 +185,7 @@ def test_the_outside_of_a_hollow_mesh_is_a_mold():
 def test_metres_are_told_and_scaled(tmp_path):
     path = tmp_path / "can.stl"
     write_stl(path, can() / 1000.0)
-    with pytest.raises(InputError, match="--scale 1000"):
+    with pytest.raises(InputError, match="scale_to_mm=1000"):
         read_mold(path)
     assert read_mold(path, scale_to_mm=1000).anatomy.height_mm == pytest.approx(60, abs=1e-3)
 
@@ -193,9 +193,9 @@ def test_metres_are_told_and_scaled(tmp_path):
 def test_what_is_for_solids_is_refused_for_a_mesh(tmp_path):
     path = tmp_path / "can.stl"
     write_stl(path, can())
-    with pytest.raises(InputError, match="--block"):
+    with pytest.raises(InputError, match="block=True"):
         read_mold(path, block=True)
-    with pytest.raises(InputError, match="--finish-height"):
+    with pytest.raises(InputError, match="finish_height_mm"):
         read_mold(path, finish_height_mm=50)
 
 
