@@ -210,9 +210,11 @@ def _hollow(options: argparse.Namespace) -> None:
         outputs.append(check_picture(options.map))
     _check_files(options, outputs)
     _check_positive(options, "scale", "finish_height", "tolerance", "seconds")
+    _check_mesh_output(options.mold, output)
     fill = None if options.fill_point is None else _quantity(options.fill_point)
     container = _hollowed(options)
     from glassworkbench.wall.asking.shortened import shortened
+    from glassworkbench.wall.container import STL_DEVIATION_MM
 
     report = container.report.to_json() | {"input": _input(options.mold), "version": __version__}
     if fill is not None:
@@ -223,7 +225,18 @@ def _hollow(options: argparse.Namespace) -> None:
     if options.map is not None:
         container.save_map(options.map)
     wall = shortened(container.thickness)
-    _answer(options, report, f"{', '.join(map(str, outputs))}: {_told_of_wall(wall, report)}")
+    told = _told_of_wall(wall, report)
+    if output.suffix.lower() == ".stl" and container.solid is not None:
+        told += f", triangles within {STL_DEVIATION_MM:g} mm"
+    _answer(options, report, f"{', '.join(map(str, outputs))}: {told}")
+
+
+def _check_mesh_output(mold: str, output: Path) -> None:
+    """Tell before the work that the container of a mesh cannot be written as a solid."""
+    from glassworkbench.mold.read import MESH_ENDINGS
+
+    if Path(mold).suffix.lower() in MESH_ENDINGS and output.suffix.lower() != ".stl":
+        raise InputError(f"{output}: the container of a mesh is a mesh, too; let the name end in .stl")
 
 
 def _hollowed(options: argparse.Namespace) -> object:
