@@ -152,7 +152,7 @@ def in_folder(word, folder):
         ([*MOLD, "--glass", "emrald"], "did you mean 'emerald'"),
         ([*MOLD, "--station", "sidewal"], "did you mean 'sidewall'"),
         ([*MOLD, "--fill", "watr"], "did you mean 'water'"),
-        (["render", WINE_BOTTLE, "-o", "{folder}/x.png"], "--wall is missing"),
+        (["render", WINE_BOTTLE, "-o", "{folder}/x.png"], "as --wall 3"),
         ([*SCENE, "--wall", "3"], "--wall: the scene file"),
         ([*SCENE, "--size", "40"], "write width and height"),
         ([*SCENE, "--size", "0x40"], "0x40 pixels"),

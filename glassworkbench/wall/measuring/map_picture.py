@@ -95,7 +95,10 @@ def _draw_view(axis: Axes, wall_map: WallMap, colours: object, azimuth_deg: floa
     light = toward - 0.5 * right + 0.6 * up
     shade = 0.78 + 0.22 * np.clip(normals[seen] @ (light / np.linalg.norm(light)), 0.0, 1.0)
     colour = colour * shade[:, None]
-    axis.add_collection(PolyCollection(flat, facecolors=colour, edgecolors=colour, linewidths=0.4, rasterized=True))
+    patches = PolyCollection(flat, facecolors=colour, edgecolors=colour, linewidths=0.4, rasterized=True)
+    # Moved to whole pixels, upright sides would step out of the silhouette.
+    patches.set_snap(False)
+    axis.add_collection(patches)
     axis.set_aspect("equal", adjustable="box", anchor="C")
     axis.autoscale_view()
     axis.margins(0.02)
