@@ -1,4 +1,5 @@
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ from glassworkbench.freecad import FreeCAD, Part
 from glassworkbench.mold import mold_from_shape, read_mold
 from glassworkbench.scene import Mesh, Patches, Revolved
 from glassworkbench.wall import METHODS, choose, hollow, parse_thickness
+from glassworkbench.wall.container import STL_DEVIATION_MM
 from glassworkbench.wall.measuring.volumes import mesh_volume
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "examples" / "molds"
@@ -134,6 +136,12 @@ def test_an_impossible_wall_is_refused(cylinder, wall):
         hollow(cylinder, wall)
 
 
+@pytest.mark.parametrize("wall", ["60", "31", "30.5"])
+def test_whatever_wall_is_too_thick_the_same_limit_is_told(cylinder, wall):
+    with pytest.raises(InputError, match=f"{wall} mm fills the container at height .* less than 30.00 mm fits"):
+        hollow(cylinder, wall)
+
+
 def test_unknown_methods_and_impossible_limits_are_refused(cylinder):
     with pytest.raises(InputError, match="revolved"):
         hollow(cylinder, 3, method="revolve")
@@ -200,6 +208,32 @@ def test_the_solid_is_saved_by_ending(cylinder, tmp_path, ending):
         shape = Part.Shape()
         shape.read(str(path))
         assert mesh_volume_of(shape) == pytest.approx(container.report.glass_volume_mm3, rel=2e-3)
+
+
+def test_a_step_file_names_its_product_after_the_mold(tmp_path):
+    mold = mold_from_shape(Part.makeCylinder(30, 100), "Müller's jar", up=(0, 0, 1))
+    path = tmp_path / "jar.step"
+    hollow(mold, 3).save(path)
+    text = path.read_text(encoding="ascii")
+    assert "Open CASCADE STEP translator" not in text
+    assert re.search(r"PRODUCT\s*\(\s*'M\\X2\\00FC\\X0\\ller''s jar'", text)
+    shape = Part.Shape()
+    shape.read(str(path))
+    assert shape.isValid()
+
+
+def test_an_stl_file_is_binary_and_keeps_to_its_deviation(tmp_path):
+    path = tmp_path / "bottle.stl"
+    container = hollow(read_mold(EXAMPLES / "wine_bottle.step"), 3)
+    container.save(path)
+    content = path.read_bytes()
+    count = int.from_bytes(content[80:84], "little")
+    assert len(content) == 84 + 50 * count
+    assert 10_000 < count < 300_000
+    values = np.frombuffer(content, np.dtype([("numbers", "<f4", (4, 3)), ("of", "<u2")]), offset=84)["numbers"]
+    middles = values[:, 1:].mean(axis=1, dtype=float)[:: count // 500]
+    on_faces = [min(face.distToShape(Part.Vertex(*p))[0] for face in container.solid.Faces) for p in middles[:40]]
+    assert max(on_faces) < 1.05 * STL_DEVIATION_MM
 
 
 def test_a_file_that_cannot_be_is_refused_and_nothing_is_written(cylinder, tmp_path):

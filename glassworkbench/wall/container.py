@@ -11,9 +11,10 @@ import numpy as np
 from glassworkbench.errors import GlassWorkbenchError
 from glassworkbench.freecad import FreeCAD, Part
 from glassworkbench.mold import Mold, outer_meridian
-from glassworkbench.mold.tessellation import outside_mesh
+from glassworkbench.mold.tessellation import outside_mesh, tessellate
 from glassworkbench.output import check_writable, written_aside
 from glassworkbench.scene import ContainerGeometry, Mesh, Revolved, Surface
+from glassworkbench.wall.asking.shortened import shortened
 from glassworkbench.wall.asking.thickness import Thickness
 from glassworkbench.wall.glass_mesh import glass_mesh, write_stl
 from glassworkbench.wall.measuring.contents import LIQUID_G_PER_CM3, Cavity, FillPoint, centre_of_gravity
@@ -23,8 +24,12 @@ from glassworkbench.wall.measuring.outside import DEVIATION_MM, Outside, is_mout
 from glassworkbench.wall.measuring.volumes import Volume
 from glassworkbench.wall.measuring.wall_map import WallMap, wall_map
 from glassworkbench.wall.seen import seen_surface
+from glassworkbench.wall.step_file import write_step
 
 ENDINGS = (".step", ".stp", ".brep", ".fcstd", ".stl")
+
+STL_DEVIATION_MM = 0.02
+"""How far the triangles of an STL file may be off the solid."""
 
 
 @dataclass(frozen=True)
@@ -201,10 +206,10 @@ class Container:
         InputError
             If its ending is unknown, its folder cannot be written to, or matplotlib is missing.
         """
-        save_picture(self.map(), f"{self.mold.name}: wall {self.thickness} by {self.method}", path)
+        save_picture(self.map(), f"{self.mold.name}: wall {shortened(self.thickness)} by {self.method}", path)
 
     def save(self, path: str | Path) -> None:
-        """Write the solid as STEP, BREP, FCStd or STL, by the path's ending.
+        """Write the solid as STEP, BREP, FCStd or STL (triangles within `STL_DEVIATION_MM`), by the path's ending.
 
         Raises
         ------
@@ -252,11 +257,12 @@ def geometry_within(mold: Mold, cavity: Surface | Part.Shape) -> ContainerGeomet
 def _write(solid: Part.Shape, name: str, path: Path) -> None:
     ending = path.suffix.lower()
     if ending in (".step", ".stp"):
-        solid.exportStep(str(path))
+        write_step(solid, name, path)
     elif ending == ".brep":
         solid.exportBrep(str(path))
     elif ending == ".stl":
-        solid.exportStl(str(path))
+        # OCC's own writer chooses its triangles itself, millions of them, and writes them as text.
+        write_stl(tessellate(solid, STL_DEVIATION_MM), np.eye(4), path)
     else:
         document = FreeCAD.newDocument("Container", hidden=True, temp=True)
         try:
