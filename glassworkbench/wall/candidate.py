@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from glassworkbench.errors import GlassWorkbenchError
 from glassworkbench.freecad import Part
 from glassworkbench.scene import Mesh, Surface
 
@@ -26,6 +27,8 @@ class Candidate:
         Sentences that the user should read, like where the wall cannot be as thick as asked.
     meridian : array (n, 4, 3) or None
         The turned inside as a rational cubic Bezier chain, closed at the finish plane, for exact volumes.
+    details : tuple of str
+        What the method tried on the way, and how that ended, one line each.
     """
 
     solid: Part.Shape | None
@@ -33,3 +36,12 @@ class Candidate:
     inside: Mesh
     notes: tuple[str, ...] = ()
     meridian: np.ndarray | None = None
+    details: tuple[str, ...] = ()
+
+
+class NoCandidateError(GlassWorkbenchError):
+    """A method that tries several ways came to the end of them; `details` tells how each fared, one line each."""
+
+    def __init__(self, message: str, details: tuple[str, ...] = ()) -> None:
+        super().__init__(message)
+        self.details = details

@@ -30,12 +30,24 @@ ENDINGS = (".step", ".stp", ".brep", ".fcstd", ".stl")
 
 @dataclass(frozen=True)
 class Attempt:
-    """How one method fared: accepted, rejected (measured, but not good enough), impossible (no such wall) or failed."""
+    """How one method fared.
+
+    Parameters
+    ----------
+    method : str
+    outcome : {"accepted", "rejected", "impossible", "failed"}
+        Rejected is what was measured, but not good enough; impossible, that there is no such wall.
+    why : str
+    seconds : float
+    details : tuple of str
+        Where a method has several ways, how each fared that it tried.
+    """
 
     method: str
     outcome: str
     why: str
     seconds: float
+    details: tuple[str, ...] = ()
 
     def to_json(self) -> dict[str, object]:
         """Return the attempt as it stands in a report."""
@@ -44,6 +56,7 @@ class Attempt:
             "outcome": self.outcome,
             "why": self.why,
             "seconds": round(self.seconds, 3),
+            "details": list(self.details),
         }
 
 
