@@ -32,18 +32,18 @@ class AskedThickness:
         What is asked lies between these everywhere.
     over_height : ThicknessOverHeight or None
         The same as a function of the height alone, where it is one; a bore is not in it.
-    by_face : ByFace or None
-        The same as thicknesses of CAD faces, where it is such and there is no bore.
     bore : Bore or None
         The cylinder prescribed for the inside of the finish, whatever the thickness there.
+    by_face : ByFace or None
+        The same as thicknesses of CAD faces, where it is such and there is no bore.
     """
 
     at: Callable[[np.ndarray, np.ndarray], np.ndarray]
     minimum_mm: float
     maximum_mm: float
     over_height: ThicknessOverHeight | None = None
-    by_face: ByFace | None = None
     bore: Bore | None = None
+    by_face: ByFace | None = None
 
     @property
     def bore_radius_mm(self) -> float | None:

@@ -85,7 +85,7 @@ def lofted(mold: Mold, asked: AskedThickness, wall: Outside, seconds: float) -> 
     floor = floor_height(wall.clearance, wall.distance, base, finish)
     angles = chosen_angles(wall.clearance, floor, finish, HALF_PLANES)
     step = (finish - floor + anatomy.maximum_radius_mm) / STEPS
-    meridians = aligned(trace(wall.clearance, angles, floor, finish, step), finish, ROWS)
+    meridians = aligned(trace(wall.clearance, wall.distance, angles, floor, finish, step), finish, ROWS)
     across = np.column_stack([np.cos(angles), np.sin(angles)])
     behind = _behind_embossing(wall)
     hidden = behind(wall.clearance(_in_space(meridians, across).reshape(-1, 3))).reshape(meridians.shape[:2])
