@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import time
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,12 +12,11 @@ from glassworkbench.freecad import Part
 from glassworkbench.mold import Mold, tessellate
 from glassworkbench.mold.tessellation import outside_mesh
 from glassworkbench.scene import Mesh
-from glassworkbench.wall.asking.asked import AskedThickness
 from glassworkbench.wall.asking.thickness import Thickness
-from glassworkbench.wall.candidate import Candidate
+from glassworkbench.wall.candidate import Candidate, Method
 from glassworkbench.wall.container import SolidFacts
 from glassworkbench.wall.measuring.measure import WallMeasure, in_finish_plane, measure_wall
-from glassworkbench.wall.measuring.outside import DEVIATION_MM, Outside, is_mouth, outside_of_mesh
+from glassworkbench.wall.measuring.outside import DEVIATION_MM, is_mouth, outside_of_mesh
 from glassworkbench.wall.measuring.self_intersection import intersections, self_intersections
 from glassworkbench.wall.measuring.surface import surface_area
 from glassworkbench.wall.measuring.volumes import Volume, mesh_volume, revolved_volume
@@ -27,7 +27,7 @@ from glassworkbench.wall.methods.revolved import revolved
 from glassworkbench.wall.methods.scaled import scaled, scaled_per_axis
 from glassworkbench.wall.methods.thick_solid import thick_solid
 
-MAKERS: dict[str, Callable[[Mold, AskedThickness, Outside, float], Candidate]] = {
+MAKERS: dict[str, Method] = {
     "revolved": revolved,
     "thick_solid": thick_solid,
     "lofted": lofted,
@@ -38,7 +38,7 @@ MAKERS: dict[str, Callable[[Mold, AskedThickness, Outside, float], Candidate]] =
 }
 
 MAKING_SHARE = 0.7
-"""What a method may use of the time; the rest is for measuring."""
+"""What a method may use of the time that is left once the outside is meshed; the rest is for measuring."""
 
 THINNER_SHARE = 0.05
 """Nowhere may the wall be thinner than asked by more than this share of it."""
@@ -90,11 +90,12 @@ def attempt(mold: Mold, thickness: Thickness, method: str, tolerance_mm: float, 
     GlassWorkbenchError
         If the method fails.
     """
+    begin = time.monotonic()
     asked = thickness.on(mold)
     outer, faces = outside_mesh(mold, min(DEVIATION_MM, DEVIATION_SHARE * asked.minimum_mm))
     mouth = is_mouth(mold, faces)
     wall = outside_of_mesh(outer, np.maximum(faces, 0), mouth, mold.anatomy.finish_height_mm, asked.at)
-    candidate = MAKERS[method](mold, asked, wall, MAKING_SHARE * seconds)
+    candidate = MAKERS[method](mold, asked, wall, MAKING_SHARE * (seconds - (time.monotonic() - begin)))
     measured = measure_wall(candidate.inside, wall, stem_top_mm=mold.anatomy.stem_top_mm)
     capacity = _capacity(candidate)
     glass = _outer_volume(mold, outer).minus(capacity)

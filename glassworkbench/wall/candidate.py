@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
 from glassworkbench.errors import GlassWorkbenchError
 from glassworkbench.freecad import Part
+from glassworkbench.mold import Mold
 from glassworkbench.scene import Mesh, Surface
+from glassworkbench.wall.asking.asked import AskedThickness
+from glassworkbench.wall.measuring.outside import Outside
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,6 +41,30 @@ class Candidate:
     notes: tuple[str, ...] = ()
     meridian: np.ndarray | None = None
     details: tuple[str, ...] = ()
+
+
+class Method(Protocol):
+    """A method of hollowing, as each file of `methods` has one; what is special to it stands there."""
+
+    def __call__(self, mold: Mold, asked: AskedThickness, wall: Outside, seconds: float) -> Candidate:
+        """Return a container, not measured yet.
+
+        Parameters
+        ----------
+        mold : Mold
+        asked : AskedThickness
+        wall : Outside
+            The mold's outside with the thickness asked.
+        seconds : float
+            What the method may take. The quick ones do not look at it.
+
+        Raises
+        ------
+        InputError
+            If the wall cannot be: the message says where, and how much is possible.
+        GlassWorkbenchError
+            If the method cannot make it, which another may.
+        """
 
 
 class NoCandidateError(GlassWorkbenchError):

@@ -48,20 +48,12 @@ PILOT, PILOTS = 500, 3
 
 
 def inner_mesh(mold: Mold, asked: AskedThickness, wall: Outside, seconds: float) -> Candidate:
-    """Return the cavity of a mold as a mesh, whatever its shape.
-
-    Parameters
-    ----------
-    mold : Mold
-    asked : AskedThickness
-    wall : Outside
-    seconds : float
-        The grid is made coarser where it would take longer.
+    """Return the cavity of a mold as a mesh, whatever its shape; the less time there is, the coarser.
 
     Raises
     ------
     InputError
-        If the wall asked leaves no cavity that reaches the mouth; the message says where, and how much fits.
+        If the wall asked leaves no cavity that reaches the mouth.
     GlassWorkbenchError
         If the time is certainly too short for a grid that tells the two sides of the wall apart.
     """
