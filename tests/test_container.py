@@ -9,7 +9,8 @@ from glassworkbench.errors import GlassWorkbenchError, InputError
 from glassworkbench.freecad import FreeCAD, Part
 from glassworkbench.mold import mold_from_shape, read_mold
 from glassworkbench.scene import Mesh, Patches, Revolved
-from glassworkbench.wall import METHODS, choose, hollow, parse_thickness
+from glassworkbench.wall import METHODS, FaceThickness, choose, hollow, parse_thickness
+from glassworkbench.wall.choose import HollowingError
 from glassworkbench.wall.container import STL_DEVIATION_MM
 from glassworkbench.wall.measuring.volumes import mesh_volume
 
@@ -115,7 +116,7 @@ def test_the_report_has_the_documented_keys(cylinder):
         *("method", "tried", "wall", "solid", "glass_volume_mm3", "weight_g", "brimful_ml"),
         *("centre_of_gravity_mm", "centre_of_gravity_filled_mm", "surface_area_mm2", "seconds", "notes"),
     }
-    assert set(report["tried"][0]) == {"method", "outcome", "why", "seconds"}
+    assert set(report["tried"][0]) == {"method", "outcome", "why", "seconds", "details"}
     wall = {"asked", "samples", "min_mm", "min_at_mm", "deviation_max_mm", "deviation_p99_mm", "deviation_rms_mm"}
     assert wall <= set(report["wall"])
     assert set(report["solid"]) == {"valid", "closed", "self_intersecting", "faces"}
@@ -162,6 +163,26 @@ def test_a_method_that_a_mold_is_not_made_for_says_so(square):
         hollow(square, 3, method="revolved")
     with pytest.raises(GlassWorkbenchError, match=r"thick_solid: .*varies so much"):
         hollow(square, "0:6 100:2", method="thick_solid")
+
+
+def test_a_wall_that_steps_across_sharp_edges_is_an_offset_of_moved_faces():
+    box = Part.makeBox(60, 60, 100, FreeCAD.Vector(-30, -30, 0))
+    mold = mold_from_shape(box, "box", axis=(0, 0, 1), up=(0, 0, 1))
+    normals = [tuple(round(x) for x in face.normalAt(0, 0)) for face in mold.upright.Faces]
+    base, side = 1 + normals.index((0, 0, -1)), 1 + normals.index((1, 0, 0))
+    report = hollow(mold, FaceThickness(((base, 8.0), (side, 2.0)), 3.0)).report
+    assert report.method == "thick_solid"
+    assert report.tried[0].details[-1].endswith("good")
+    assert report.brimful_ml == pytest.approx(1e-3 * 55 * 54 * 92, rel=1e-5)
+    assert report.wall.deviation_max_mm < 1e-3
+
+
+def test_every_way_that_failed_is_in_the_report(square):
+    with pytest.raises(HollowingError) as caught:
+        hollow(square, 29.0, method="thick_solid", seconds=60)
+    details = caught.value.tried[0].details
+    assert len(details) > 1
+    assert all(line.startswith("29 mm") for line in details)
 
 
 def test_a_wall_that_varies_on_a_square_mold_is_lofted(square):

@@ -18,6 +18,7 @@ from glassworkbench.wall.asking.shortened import shortened
 from glassworkbench.wall.asking.thickness import REGIONS, Thickness, UniformThickness
 from glassworkbench.wall.asking.thickness_text import parse_thickness
 from glassworkbench.wall.attempt import MAKERS, Attempted, attempt
+from glassworkbench.wall.candidate import NoCandidateError
 from glassworkbench.wall.container import Attempt, Container, WallReport
 from glassworkbench.wall.levels.narrow import no_room
 from glassworkbench.wall.measuring.contents import centre_of_gravity, weight_g
@@ -43,8 +44,10 @@ class Rung:
 ROUND = (Rung("revolved", 0.4), Rung("lofted", 0.5), Rung("thick_solid", 0.4), Rung("inner_mesh", 1.0))
 UNIFORM = (Rung("thick_solid", 0.15), Rung("lofted", 0.5), Rung("inner_mesh", 1.0))
 VARYING = (Rung("lofted", 0.5), Rung("inner_mesh", 1.0))
+STEPPED = (Rung("thick_solid", 0.3), *VARYING)
 MESHED = (Rung("lofted", 0.4), Rung("inner_mesh", 1.0))
-"""The ladders: for (nearly) round molds, for others with a wall that is the same everywhere or not, for meshes."""
+"""The ladders: for (nearly) round molds, for others with a wall that is the same everywhere, varies, or steps from face
+to face across sharp edges, for meshes."""
 
 
 class HollowingError(GlassWorkbenchError):
@@ -106,17 +109,19 @@ def hollow(
     for rung in ladder(mold, asked) if method == "auto" else (Rung(method, 1.0),):
         begin = time.monotonic()
         share = rung.share * (limit - (begin - start))
-        attempted = None
+        attempted, details = None, ()
         try:
             attempted = run_in_worker(attempt, (mold, thickness, rung.method, tolerance, share), {}, share)
             outcome, why = ("rejected", attempted.fault) if attempted.fault else ("accepted", "")
+            details = attempted.candidate.details
             rejected.append((rung.method, attempted))
         except InputError as error:
             outcome, why = "impossible", str(error)
             impossible.append(error)
         except GlassWorkbenchError as error:
             outcome, why = "failed", str(error)
-        attempts.append(Attempt(rung.method, outcome, why, time.monotonic() - begin))
+            details = error.details if isinstance(error, NoCandidateError) else ()
+        attempts.append(Attempt(rung.method, outcome, why, time.monotonic() - begin, details))
         if outcome == "accepted":
             return _container(mold, thickness, rung.method, attempted, attempts, tolerance, time.monotonic() - start)
         if outcome == "impossible" and rung.method == "revolved":
@@ -141,6 +146,8 @@ def ladder(mold: Mold, asked: AskedThickness) -> tuple[Rung, ...]:
     round_outside = mold.anatomy.is_revolved or mold.is_nearly_round
     if round_outside and asked.over_height is not None:
         return ROUND
+    if asked.by_face is not None and not asked.by_face.blends:
+        return STEPPED
     uniform = asked.over_height is not None and asked.over_height.uniform_mm is not None
     return UNIFORM if uniform and mold.anatomy.stem_top_mm == 0.0 else VARYING
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from glassworkbench.errors import GlassWorkbenchError
-from glassworkbench.freecad import FreeCAD, Part
+from glassworkbench.freecad import Part
 from glassworkbench.mold import Mold, outer_meridian
 from glassworkbench.mold.tessellation import outside_mesh, tessellate
 from glassworkbench.output import check_writable, written_aside
@@ -24,7 +24,7 @@ from glassworkbench.wall.measuring.outside import DEVIATION_MM, Outside, is_mout
 from glassworkbench.wall.measuring.volumes import Volume
 from glassworkbench.wall.measuring.wall_map import WallMap, wall_map
 from glassworkbench.wall.seen import seen_surface
-from glassworkbench.wall.step_file import write_step
+from glassworkbench.wall.solid_file import write_solid
 
 ENDINGS = (".step", ".stp", ".brep", ".fcstd", ".stl")
 
@@ -34,12 +34,24 @@ STL_DEVIATION_MM = 0.02
 
 @dataclass(frozen=True)
 class Attempt:
-    """How one method fared: accepted, rejected (measured, but not good enough), impossible (no such wall) or failed."""
+    """How one method fared.
+
+    Parameters
+    ----------
+    method : str
+    outcome : {"accepted", "rejected", "impossible", "failed"}
+        Rejected is what was measured, but not good enough; impossible, that there is no such wall.
+    why : str
+    seconds : float
+    details : tuple of str
+        Where a method has several ways, how each fared that it tried.
+    """
 
     method: str
     outcome: str
     why: str
     seconds: float
+    details: tuple[str, ...] = ()
 
     def to_json(self) -> dict[str, object]:
         """Return the attempt as it stands in a report."""
@@ -48,6 +60,7 @@ class Attempt:
             "outcome": self.outcome,
             "why": self.why,
             "seconds": round(self.seconds, 3),
+            "details": list(self.details),
         }
 
 
@@ -216,7 +229,8 @@ class Container:
         InputError
             If the ending is unknown or the folder cannot be written to.
         GlassWorkbenchError
-            If writing fails, or there are only meshes and the ending is not that of a mesh.
+            If writing fails, a CAD file does not hold the same solid when it is read again, or there are only meshes
+            and the ending is not that of a mesh.
         """
         path = check_writable(path, ENDINGS)
         if self.solid is None and path.suffix.lower() != ".stl":
@@ -227,8 +241,11 @@ class Container:
                     outer, faces = outside_mesh(self.mold, DEVIATION_MM)
                     glass = glass_mesh(outer, is_mouth(self.mold, faces), self.inside)
                     write_stl(glass, self.mold.placement, aside)
+                elif path.suffix.lower() == ".stl":
+                    # OCC's own writer chooses its triangles itself, millions of them, and writes them as text.
+                    write_stl(tessellate(self.solid, STL_DEVIATION_MM), np.eye(4), aside)
                 else:
-                    _write(self.solid, self.mold.name, aside)
+                    write_solid(self.solid, self.mold.name, aside)
             except Exception as error:
                 raise GlassWorkbenchError(f"{path}: could not be written ({error})") from error
 
@@ -252,23 +269,3 @@ def geometry_within(mold: Mold, cavity: Surface | Part.Shape) -> ContainerGeomet
     else:
         low, high = outer.box_mm
     return ContainerGeometry(outer, cavity, low, high, anatomy.finish_height_mm, notes)
-
-
-def _write(solid: Part.Shape, name: str, path: Path) -> None:
-    ending = path.suffix.lower()
-    if ending in (".step", ".stp"):
-        write_step(solid, name, path)
-    elif ending == ".brep":
-        solid.exportBrep(str(path))
-    elif ending == ".stl":
-        # OCC's own writer chooses its triangles itself, millions of them, and writes them as text.
-        write_stl(tessellate(solid, STL_DEVIATION_MM), np.eye(4), path)
-    else:
-        document = FreeCAD.newDocument("Container", hidden=True, temp=True)
-        try:
-            document.addObject("Part::Feature", "Container").Shape = solid
-            document.Objects[0].Label = name
-            document.recompute()
-            document.saveCopy(str(path))
-        finally:
-            FreeCAD.closeDocument(document.Name)
