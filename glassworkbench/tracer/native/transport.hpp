@@ -117,29 +117,65 @@ private:
         return bits;
     }
 
+    // The nearest crossing ahead. Here, within the tolerance, are the surfaces that the ray starts on or has just
+    // crossed, and at an edge or an apex others, of which rounding decides the distance and its sign. So a crossing
+    // here counts if the body's next one farther on says that it was passed.
     Next nearest(const Path& path) const {
         Next next;
-        double best = INFINITY;
-        const double tolerance = scene_.start_tolerance;
         for (int k = 0; k < static_cast<int>(scene_.bodies.size()); ++k) {
             const bool inside = (path.bits >> k) & 1u;
-            const double lowest = k == path.last_body ? 0.0 : -tolerance;
-            const auto visit = [&](const Hit& hit) {
-                if (!(hit.t > lowest) || !(hit.t < best)) return;
-                // Here already: the surface that the ray starts on or has just crossed.
-                if (hit.entering == inside && hit.t <= tolerance) return;
-                best = hit.t;
-                next.hit = hit;
-                next.body = k;
-            };
-            std::visit(
-                [&](const auto& surface) {
-                    surface.crossings(path.ray, lowest, best, k == path.last_body ? path.last_hit : Hit{}, visit);
-                },
-                scene_.bodies[k]);
+            Hit here, beyond;
+            look(path, k, next.hit.t, here, beyond);
+            const auto contradicts = [&] { return beyond.part < 0 ? inside : beyond.entering == inside; };
+            if (here.part >= 0 || (k == path.last_body && contradicts())) {
+                if (beyond.part < 0 && next.body >= 0) look(path, k, INFINITY, here, beyond);
+                if (contradicts() && (here.part >= 0 || beside(path, k, here))) {
+                    here.t = std::fmax(here.t, 0.0);
+                    return {here, k};
+                }
+            }
+            if (beyond.t < next.hit.t) next = {beyond, k};
         }
-        next.hit.t = std::fmax(next.hit.t, 0.0);
         return next;
+    }
+
+    // The body's nearest crossing beyond the tolerance, up to `farthest`, and the last here in the sense that is due.
+    void look(const Path& path, int body, double farthest, Hit& here, Hit& beyond) const {
+        const bool inside = (path.bits >> body) & 1u;
+        const double tolerance = scene_.start_tolerance;
+        double best = farthest;
+        const auto visit = [&](const Hit& hit) {
+            if (hit.t > tolerance) {
+                if (!(hit.t < best)) return;
+                best = hit.t;
+                beyond = hit;
+            } else if (hit.t >= -tolerance && hit.entering != inside) {
+                if (here.part < 0 || hit.t > here.t) here = hit;
+            }
+        };
+        std::visit(
+            [&](const auto& surface) {
+                surface.crossings(path.ray, -tolerance, best, body == path.last_body ? path.last_hit : Hit{}, visit);
+            },
+            scene_.bodies[body]);
+    }
+
+    // Whether the ray runs beside the surface that it starts on, moved off it by the rounding of its start: then the
+    // whole line enters the body as often as it leaves it, and nothing but the start itself is left to cross.
+    bool beside(const Path& path, int body, Hit& here) const {
+        if (body != path.last_body) return false;
+        here = path.last_hit;
+        here.entering = ((path.bits >> body) & 1u) == 0;
+        here.t = 0.0;
+        int balance = 0;
+        const double everything = INFINITY;
+        std::visit(
+            [&](const auto& surface) {
+                surface.crossings(path.ray, -INFINITY, everything, Hit{},
+                                  [&](const Hit& hit) { balance += hit.entering ? 1 : -1; });
+            },
+            scene_.bodies[body]);
+        return balance == 0;
     }
 
     Meeting meet(const Path& path, const Next& next, Answer& answer) const {
