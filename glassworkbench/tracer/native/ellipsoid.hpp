@@ -20,6 +20,8 @@ public:
         bounds_.include(centre_ + reach);
     }
 
+    static constexpr double largest_slack() { return 0.0; }
+
     const Box& bounds() const { return bounds_; }
 
     // Calls visit(hit) for both crossings. The ray is shifted to its closest approach to the centre of the unit

@@ -31,6 +31,8 @@ public:
         }
     }
 
+    static constexpr double largest_slack() { return 0.0; }
+
     const Box& bounds() const { return hierarchy_.bounds(); }
 
     template <class Visit>

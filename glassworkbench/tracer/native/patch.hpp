@@ -25,7 +25,8 @@
 // crossing that a ray starts at is known by its triangle, place and sense: a triangle that the ray cannot be tangent to
 // is met once, so it is passed over; on another only the second foot counts. A neighbour that claims the same crossing,
 // at a shared edge, contradicts what the ray is inside of, and is passed over for that. No distance is compared with a
-// wall's thickness.
+// wall's thickness. At a crease that a ray cuts off by less than the sheets are apart there, both its crossings may
+// come in the wrong order: one of them is off its triangle, and says by how much, as its slack.
 #pragma once
 
 #include <cmath>
@@ -63,8 +64,13 @@ public:
             const std::vector<Box>& boxes)
         : sheets_(std::move(sheets)), edges_(std::move(edges)), hierarchy_(boxes) {
         triangles_.reserve(triangles.size());
-        for (const std::int32_t number : hierarchy_.order()) triangles_.emplace_back(triangles[number], edges_);
+        for (const std::int32_t number : hierarchy_.order()) {
+            triangles_.emplace_back(triangles[number], edges_);
+            largest_slack_ = std::fmax(largest_slack_, triangles_.back().size);
+        }
     }
+
+    double largest_slack() const { return largest_slack_; }
 
     const Box& bounds() const { return hierarchy_.bounds(); }
 
@@ -105,6 +111,7 @@ private:
         // ends is above `reach`, or the ends' product above `around` (the ray is outside the circle over the chord,
         // which is widened by the arc's height).
         double reach[3], around[3];
+        double size = 0.0;  // the longest chord
 
         Triangle(const CurvedTriangle& triangle, const std::vector<CurvedEdge>& edges) : CurvedTriangle(triangle) {
             for (int k = 0; k < 3; ++k) {
@@ -115,6 +122,7 @@ private:
                 for (const Vector& point : e.point) off = std::fmax(off, length(cross(chord, point - start)));
                 // An arc leaves the hull of its points by less than half.
                 reach[k] = 1.5 * off;
+                size = std::fmax(size, length(chord));
                 const double height = off > 0.0 ? reach[k] / length(chord) : 0.0;
                 around[k] = height * (length(chord) + height);
             }
@@ -129,7 +137,8 @@ private:
     struct Root {
         bool found = false;
         double p = 0.0, q = 0.0, t = 0.0;
-        int sense = 0;  // 1 where the ray leaves, -1 where it enters
+        int sense = 0;       // 1 where the ray leaves, -1 where it enters
+        double slack = 0.0;  // of the triangle's size, as Hit's
     };
 
     // The parameters that a triangle's barycentric coordinates stand for. At a pole they are those of a fan: the one
@@ -225,8 +234,9 @@ private:
     }
 
     template <class Visit>
-    static void report(std::int32_t number, const Root& root, int turns, Visit&& visit) {
-        visit(Hit{root.t, turns < 0, number, root.p, root.q});
+    void report(std::int32_t number, const Root& root, int turns, Visit&& visit) const {
+        const double off = std::fmin(std::fmax(root.slack, 4.0 * outside(root)), 1.0);
+        visit(Hit{root.t, turns < 0, number, root.p, root.q, off * triangles_[number].size});
     }
 
     static double outside(const Root& root) {
@@ -261,10 +271,10 @@ private:
         const double total = areas[0] + areas[1] + areas[2];
         // The area of edge k belongs to the corner across.
         double p = areas[2] / total, q = areas[0] / total;
-        if (!(p >= -beyond && q >= -beyond && p + q <= 1.0 + beyond)) p = q = 1.0 / 3.0;
+        if (!(p >= 0.0 && q >= 0.0 && p + q <= 1.0)) nearest_on_side(corner, p, q);
         const int sense = turns < 0 ? -1 : 1;
-        const Root flat{true, p, q, shear.sz * ((1.0 - p - q) * corner[0].z + p * corner[1].z + q * corner[2].z),
-                        sense};
+        const double depth = (1.0 - p - q) * corner[0].z + p * corner[1].z + q * corner[2].z;
+        const Root flat{true, p, q, shear.sz * depth, sense, 1.0};
         // Other feet may lie nearby, on the sheet beyond the triangle: the one that is least outside is meant.
         Root best = flat;
         double least = INFINITY;
@@ -283,6 +293,21 @@ private:
         for (const auto& start : starts)
             if (settles(refined(shear, triangle, start[0] / 6.0, start[1] / 6.0))) break;
         return best;
+    }
+
+    // The point of the flat triangle's sides that the ray passes nearest to, as it is seen along the ray.
+    static void nearest_on_side(const Vector* corner, double& p, double& q) {
+        double least = INFINITY;
+        for (int k = 0; k < 3; ++k) {
+            const Vector &start = corner[k], side = corner[(k + 1) % 3] - start;
+            const double along = -dot_across(start, side) / dot_across(side, side);
+            const double s = along > 0.0 ? std::fmin(along, 1.0) : 0.0;
+            const Vector point = start + s * side;
+            if (!(dot_across(point, point) < least)) continue;
+            least = dot_across(point, point);
+            p = k == 0 ? s : k == 1 ? 1.0 - s : 0.0;
+            q = k == 1 ? s : k == 2 ? 1.0 - s : 0.0;
+        }
     }
 
     struct Projected {
@@ -396,6 +421,7 @@ private:
     std::vector<CurvedEdge> edges_;
     Hierarchy hierarchy_;
     std::vector<Triangle> triangles_;
+    double largest_slack_ = 0.0;
 };
 
 }  // namespace glass

@@ -56,6 +56,8 @@ public:
         root_ = build(order.data(), static_cast<int>(order.size()));
     }
 
+    static constexpr double largest_slack() { return 0.0; }
+
     const Box& bounds() const { return bounds_; }
 
     // Calls visit(hit) for the crossings with t in [t_min, t_best], which the visitor may shorten as it goes. `start`

@@ -117,61 +117,95 @@ private:
         return bits;
     }
 
-    // The nearest crossing ahead. Here, within the tolerance, are the surfaces that the ray starts on or has just
-    // crossed, and at an edge or an apex others, of which rounding decides the distance and its sign. So a crossing
-    // here counts if the body's next one farther on says that it was passed.
+    // The nearest crossing ahead.
     Next nearest(const Path& path) const {
         Next next;
         for (int k = 0; k < static_cast<int>(scene_.bodies.size()); ++k) {
-            const bool inside = (path.bits >> k) & 1u;
-            Hit here, beyond;
-            look(path, k, next.hit.t, here, beyond);
-            const auto contradicts = [&] { return beyond.part < 0 ? inside : beyond.entering == inside; };
-            if (here.part >= 0 || (k == path.last_body && contradicts())) {
-                if (beyond.part < 0 && next.body >= 0) look(path, k, INFINITY, here, beyond);
-                if (contradicts() && (here.part >= 0 || beside(path, k, here))) {
-                    here.t = std::fmax(here.t, 0.0);
-                    return {here, k};
-                }
+            View view = look(path, k, scene_.start_tolerance, next.hit.t);
+            const bool missed = k == path.last_body && view.beyond.part < 0 && view.inside;
+            if (view.here.part >= 0 || missed || view.contradicted()) {
+                view = settled(path, k);
+                if (view.here.part >= 0) return {view.here, k};
             }
-            if (beyond.t < next.hit.t) next = {beyond, k};
+            if (view.beyond.t < next.hit.t) next = {view.beyond, k};
         }
         return next;
     }
 
-    // The body's nearest crossing beyond the tolerance, up to `farthest`, and the last here in the sense that is due.
-    void look(const Path& path, int body, double farthest, Hit& here, Hit& beyond) const {
-        const bool inside = (path.bits >> body) & 1u;
-        const double tolerance = scene_.start_tolerance;
+    // What a ray sees of a body: its nearest crossing beyond the tolerance, and the last one here in the sense that is
+    // due. Here are the surfaces that the ray starts on or has just crossed, and at an edge or an apex others, of which
+    // rounding decides the distance and its sign.
+    struct View {
+        bool inside;
+        Hit here, beyond;
+
+        bool contradicted() const { return beyond.part >= 0 && beyond.entering == inside; }
+    };
+
+    View look(const Path& path, int body, double behind, double farthest) const {
+        View view{((path.bits >> body) & 1u) != 0, {}, {}};
+        const Hit start = body == path.last_body ? path.last_hit : Hit{};
         double best = farthest;
         const auto visit = [&](const Hit& hit) {
-            if (hit.t > tolerance) {
+            if (hit.t > scene_.start_tolerance) {
                 if (!(hit.t < best)) return;
                 best = hit.t;
-                beyond = hit;
-            } else if (hit.t >= -tolerance && hit.entering != inside) {
-                if (here.part < 0 || hit.t > here.t) here = hit;
+                view.beyond = hit;
+            } else if (-hit.t <= std::fmax(scene_.start_tolerance, std::fmax(hit.slack, start.slack))) {
+                if (hit.entering != view.inside && (view.here.part < 0 || hit.t > view.here.t)) view.here = hit;
             }
+        };
+        std::visit([&](const auto& surface) { surface.crossings(path.ray, -behind, best, start, visit); },
+                   scene_.bodies[body]);
+        return view;
+    }
+
+    // What counts of a body that has crossings here, or ahead in the wrong sense: `here` only where the next one
+    // farther on says that it was passed, and `beyond` in the right order.
+    View settled(const Path& path, int body) const {
+        const double slack =
+            std::visit([](const auto& surface) { return surface.largest_slack(); }, scene_.bodies[body]);
+        View view = look(path, body, std::fmax(slack, scene_.start_tolerance), INFINITY);
+        const auto passed = [&] { return view.beyond.part < 0 ? view.inside : view.contradicted(); };
+        if (!passed()) {
+            view.here = {};
+            return view;
+        }
+        if (view.here.part < 0 && slack > 0.0) put_in_order(path, body, view);
+        if (view.here.part < 0 && passed() && body == path.last_body && balanced(path.ray, body)) {
+            // The start lies a little off the surface, and the ray beside it: what is left to cross is the start.
+            view.here = path.last_hit;
+            view.here.entering = !view.inside;
+            view.here.t = 0.0;
+        }
+        view.here.t = std::fmax(view.here.t, 0.0);
+        return view;
+    }
+
+    // The crossing that is due may come a little after one that is not.
+    void put_in_order(const Path& path, int body, View& view) const {
+        const Hit first = view.beyond;
+        if (first.part < 0) return;
+        double best = INFINITY;
+        const auto visit = [&](const Hit& hit) {
+            if (hit.entering == view.inside || !(hit.t > first.t) || !(hit.t < best)) return;
+            best = hit.t;
+            if (hit.t - first.t <= std::fmax(hit.slack, first.slack)) view.beyond = hit;
         };
         std::visit(
             [&](const auto& surface) {
-                surface.crossings(path.ray, -tolerance, best, body == path.last_body ? path.last_hit : Hit{}, visit);
+                surface.crossings(path.ray, first.t, best, body == path.last_body ? path.last_hit : Hit{}, visit);
             },
             scene_.bodies[body]);
     }
 
-    // Whether the ray runs beside the surface that it starts on, moved off it by the rounding of its start: then the
-    // whole line enters the body as often as it leaves it, and nothing but the start itself is left to cross.
-    bool beside(const Path& path, int body, Hit& here) const {
-        if (body != path.last_body) return false;
-        here = path.last_hit;
-        here.entering = ((path.bits >> body) & 1u) == 0;
-        here.t = 0.0;
+    // Whether the whole line of a ray enters a body as often as it leaves it.
+    bool balanced(const Ray& ray, int body) const {
         int balance = 0;
         const double everything = INFINITY;
         std::visit(
             [&](const auto& surface) {
-                surface.crossings(path.ray, -INFINITY, everything, Hit{},
+                surface.crossings(ray, -INFINITY, everything, Hit{},
                                   [&](const Hit& hit) { balance += hit.entering ? 1 : -1; });
             },
             scene_.bodies[body]);

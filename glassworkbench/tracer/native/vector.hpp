@@ -65,11 +65,13 @@ struct Box {
 };
 
 // Where a ray crosses a surface. `part` and `u`, `v` say where on the surface; the surface itself knows the normal.
+// `slack` is how far along the ray it may lie from where its order among others is right: 0 but at creases.
 struct Hit {
     double t = INFINITY;
     bool entering = false;
     int part = -1;
     double u = 0.0, v = 0.0;
+    double slack = 0.0;
 };
 
 }  // namespace glass
