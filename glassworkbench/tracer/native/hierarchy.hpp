@@ -49,8 +49,9 @@ public:
             slabs.overlap(node, t_min, t_best, low, high);
             // Nearest last, so that it is taken first.
             const int first = depth;
-            for (int k = 0; k < node.children; ++k) {
-                if (!(low[k] <= high[k])) continue;
+            unsigned reached = where_no_larger(low, high) & ((1u << node.children) - 1u);
+            for (; reached != 0; reached &= reached - 1) {
+                const int k = lowest_bit(reached);
                 int place = depth++;
                 while (place > first && stack[place - 1].t < low[k]) {
                     stack[place] = stack[place - 1];

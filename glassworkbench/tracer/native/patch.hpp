@@ -66,7 +66,7 @@ public:
         triangles_.reserve(triangles.size());
         for (const std::int32_t number : hierarchy_.order()) {
             triangles_.emplace_back(triangles[number], edges_);
-            largest_slack_ = std::fmax(largest_slack_, triangles_.back().size);
+            largest_slack_ = greater(largest_slack_, triangles_.back().size);
         }
     }
 
@@ -119,10 +119,10 @@ private:
                 const Vector& start = e.point[0];
                 const Vector chord = e.point[2 * CurvedEdge::pieces] - start;
                 double off = 0.0;  // twice the triangle of the chord and a point of the arc
-                for (const Vector& point : e.point) off = std::fmax(off, length(cross(chord, point - start)));
+                for (const Vector& point : e.point) off = greater(off, length(cross(chord, point - start)));
                 // An arc leaves the hull of its points by less than half.
                 reach[k] = 1.5 * off;
-                size = std::fmax(size, length(chord));
+                size = greater(size, length(chord));
                 const double height = off > 0.0 ? reach[k] / length(chord) : 0.0;
                 around[k] = height * (length(chord) + height);
             }
@@ -205,7 +205,7 @@ private:
         } else if (may_touch) {
             const Pair both = pair(shear, triangle, 1.0 / 3.0, 1.0 / 3.0);
             if (!both.found) return;
-            if (std::fmax(outside(both.entering), outside(both.leaving)) > on_triangle) return;
+            if (greater(outside(both.entering), outside(both.leaving)) > on_triangle) return;
             report(number, both.entering, -1, visit);
             report(number, both.leaving, 1, visit);
         }
@@ -235,12 +235,12 @@ private:
 
     template <class Visit>
     void report(std::int32_t number, const Root& root, int turns, Visit&& visit) const {
-        const double off = std::fmin(std::fmax(root.slack, 4.0 * outside(root)), 1.0);
+        const double off = lesser(greater(root.slack, 4.0 * outside(root)), 1.0);
         visit(Hit{root.t, turns < 0, number, root.p, root.q, off * triangles_[number].size});
     }
 
     static double outside(const Root& root) {
-        return std::fmax(std::fmax(-root.p, -root.q), std::fmax(root.p + root.q - 1.0, 0.0));
+        return greater(greater(-root.p, -root.q), greater(root.p + root.q - 1.0, 0.0));
     }
 
     static int winding_of(const Shear& shear, const CurvedEdge& edge) {
@@ -301,7 +301,7 @@ private:
         for (int k = 0; k < 3; ++k) {
             const Vector &start = corner[k], side = corner[(k + 1) % 3] - start;
             const double along = -dot_across(start, side) / dot_across(side, side);
-            const double s = along > 0.0 ? std::fmin(along, 1.0) : 0.0;
+            const double s = along > 0.0 ? lesser(along, 1.0) : 0.0;
             const Vector point = start + s * side;
             if (!(dot_across(point, point) < least)) continue;
             least = dot_across(point, point);
@@ -342,7 +342,7 @@ private:
             }
             d_p /= pull;
             d_q /= pull;
-            double step = std::fmax(std::fabs(d_p), std::fabs(d_q));
+            double step = greater(std::fabs(d_p), std::fabs(d_q));
             if (!(step < INFINITY)) return {};
             if (step > 0.5) {
                 d_p *= 0.5 / step;
@@ -386,7 +386,7 @@ private:
             const double inverse = -1.0 / (slope_p * spread_q - slope_q * spread_p), off = dot_across(e, f.value);
             const double d_p = inverse * (f.determinant * spread_q - off * slope_q);
             const double d_q = inverse * (off * slope_p - f.determinant * spread_p);
-            const double step = std::fmax(std::fabs(d_p), std::fabs(d_q));
+            const double step = greater(std::fabs(d_p), std::fabs(d_q));
             if (!(step < 2.0)) return {};
             p += d_p;
             q += d_q;

@@ -151,7 +151,7 @@ private:
                 if (!(hit.t < best)) return;
                 best = hit.t;
                 view.beyond = hit;
-            } else if (-hit.t <= std::fmax(scene_.start_tolerance, std::fmax(hit.slack, start.slack))) {
+            } else if (-hit.t <= greater(scene_.start_tolerance, greater(hit.slack, start.slack))) {
                 if (hit.entering != view.inside && (view.here.part < 0 || hit.t > view.here.t)) view.here = hit;
             }
         };
@@ -165,7 +165,7 @@ private:
     View settled(const Path& path, int body) const {
         const double slack =
             std::visit([](const auto& surface) { return surface.largest_slack(); }, scene_.bodies[body]);
-        View view = look(path, body, std::fmax(slack, scene_.start_tolerance), INFINITY);
+        View view = look(path, body, greater(slack, scene_.start_tolerance), INFINITY);
         const auto passed = [&] { return view.beyond.part < 0 ? view.inside : view.contradicted(); };
         if (!passed()) {
             view.here = {};
@@ -178,7 +178,7 @@ private:
             view.here.entering = !view.inside;
             view.here.t = 0.0;
         }
-        view.here.t = std::fmax(view.here.t, 0.0);
+        view.here.t = greater(view.here.t, 0.0);
         return view;
     }
 
@@ -190,7 +190,7 @@ private:
         const auto visit = [&](const Hit& hit) {
             if (hit.entering == view.inside || !(hit.t > first.t) || !(hit.t < best)) return;
             best = hit.t;
-            if (hit.t - first.t <= std::fmax(hit.slack, first.slack)) view.beyond = hit;
+            if (hit.t - first.t <= greater(hit.slack, first.slack)) view.beyond = hit;
         };
         std::visit(
             [&](const auto& surface) {
@@ -246,7 +246,7 @@ private:
 
     static void meet_with(const Path& path, const Next& next, double n1, double n2, const Vector& normal, Meeting& m) {
         m.normal = next.hit.entering ? normal : -normal;
-        m.cosine = std::fmin(std::fmax(-dot(path.ray.direction, m.normal), 0.0), 1.0);
+        m.cosine = lesser(greater(-dot(path.ray.direction, m.normal), 0.0), 1.0);
         m.interface = fresnel(m.cosine, n1, n2);
     }
 

@@ -5,6 +5,10 @@
 
 namespace glass {
 
+// Unlike std::fmin and std::fmax they are one instruction; of a NaN and a number they return the second.
+inline double lesser(double a, double b) { return a < b ? a : b; }
+inline double greater(double a, double b) { return a > b ? a : b; }
+
 struct Vector {
     double x = 0.0, y = 0.0, z = 0.0;
 
