@@ -48,8 +48,6 @@ public:
         normal = normalised(rotation_.to_world({q.x / semi_axes_.x, q.y / semi_axes_.y, q.z / semi_axes_.z}));
     }
 
-    Vector facet_normal(const Hit&, const Vector& normal) const { return normal; }
-
 private:
     Vector to_sphere(const Vector& v) const {
         const Vector local = rotation_.to_local(v);

@@ -94,8 +94,6 @@ public:
         normal = normalised(normal);
     }
 
-    Vector facet_normal(const Hit&, const Vector& normal) const { return normal; }
-
 private:
     static constexpr double towards_middle = 1e-7;
     static constexpr double at_pole = 1e-7;  // sum of the coordinates, below which all is as at the pole

@@ -73,7 +73,8 @@ public:
         const double x = o.x + hit.t * d.x, y = o.y + hit.t * d.y;
         const CurvePoint c = pieces_[hit.part].at(hit.u);
         const double r = std::sqrt(x * x + y * y);
-        const double ex = r > 0.0 ? x / r : 1.0, ey = r > 0.0 ? y / r : 0.0;
+        const double inverse_r = 1.0 / r;
+        const double ex = r > 0.0 ? x * inverse_r : 1.0, ey = r > 0.0 ? y * inverse_r : 0.0;
         const double radius = greater(c.r, 0.0);
         point = base_ + rotation_.to_world({radius * ex, radius * ey, c.z});
         // A collapsed control polygon has no tangent at its end; the chord's stands in for it.
@@ -86,8 +87,6 @@ public:
         const double scale = 1.0 / std::sqrt(dr * dr + dz * dz);
         normal = rotation_.to_world({scale * dz * ex, scale * dz * ey, -scale * dr});
     }
-
-    Vector facet_normal(const Hit&, const Vector& normal) const { return normal; }
 
 private:
     static constexpr int width = float_lane_count;
@@ -115,7 +114,10 @@ private:
             dz = d.z;
             A = dx * dx + dy * dy;
             flat = dz * dz < A;
-            shift = A > 0.0 ? -(o.x * dx + o.y * dy) / A : 0.0;
+            inverse_A = A > 1e-200 ? 1.0 / A : 0.0;
+            a = std::sqrt(A);
+            inverse_a = a * inverse_A;
+            shift = -(o.x * dx + o.y * dy) * inverse_A;
             if (!flat) {
                 const double low = (body.z_low_ - o.z) / dz, high = (body.z_high_ - o.z) / dz;
                 shift = lesser(greater(shift, lesser(low, high)), greater(low, high));
@@ -126,10 +128,7 @@ private:
             C = px * px + py * py;
             c = std::sqrt(C);
             B = flat ? 0.0 : px * dx + py * dy;
-            a = std::sqrt(A);
-            slope = flat ? dz / a : 0.0;
-            inverse_a = A > 1e-200 ? 1.0 / a : 0.0;
-            inverse_A = A > 1e-200 ? 1.0 / A : 0.0;
+            slope = flat ? dz * inverse_a : 0.0;
             inverse_dz = std::fabs(dz) > 1e-290 ? 1.0 / dz : 1e290;
         }
     };
@@ -216,10 +215,6 @@ private:
     template <class Visit>
     void walk(const Chart& ray, double t_min, const double& t_best, const Hit& start, Visit&& visit) const {
         if (ray.C > r2_high_) return;
-        struct Entry {
-            float low, high;
-            std::int32_t child;
-        };
         const auto tau = [&](double t, double way) {
             const double exact = t - ray.shift;
             return static_cast<float>(exact + way * (margin_ + 1e-6 * std::fabs(exact)));
@@ -228,33 +223,41 @@ private:
         const float tau_min = tau(t_min, -1.0);
         float tau_best = tau(t_best, 1.0);
         double known_best = t_best;
-        Entry stack[8 * width];
-        int depth = 0;
-        stack[depth++] = {tau_min, INFINITY, root_};
+        // What waits, the nearest last.
+        float waiting_low[8 * width], waiting_high[8 * width];
+        std::int32_t waiting[8 * width];
+        waiting_low[0] = tau_min;
+        waiting_high[0] = INFINITY;
+        waiting[0] = root_;
+        int depth = 1;
         while (depth > 0) {
-            const Entry entry = stack[--depth];
+            --depth;
             if (t_best != known_best) {
                 known_best = t_best;
                 tau_best = tau(t_best, 1.0);
             }
-            if (entry.low > tau_best) continue;
-            if (entry.child < 0) {
-                solve(ray, ~entry.child, entry.low, entry.high, start, visit);
+            if (waiting_low[depth] > tau_best) continue;
+            const std::int32_t child = waiting[depth];
+            if (child < 0) {
+                solve(ray, ~child, waiting_low[depth], waiting_high[depth], start, visit);
                 continue;
             }
-            const Node& node = nodes_[entry.child];
+            const Node& node = nodes_[child];
             FloatLanes low, high;
             reach(node, culling, ray.flat, tau_min, tau_best, low, high);
-            // Nearest last, so that it is taken first.
             const int first = depth;
             for (unsigned reached = where_no_larger(low, high) & node.children; reached != 0; reached &= reached - 1) {
                 const int k = lowest_bit(reached);
+                const float its_low = low[k];
                 int place = depth++;
-                while (place > first && stack[place - 1].low < low[k]) {
-                    stack[place] = stack[place - 1];
-                    --place;
+                for (; place > first && waiting_low[place - 1] < its_low; --place) {
+                    waiting_low[place] = waiting_low[place - 1];
+                    waiting_high[place] = waiting_high[place - 1];
+                    waiting[place] = waiting[place - 1];
                 }
-                stack[place] = {low[k], high[k], node.child[k]};
+                waiting_low[place] = its_low;
+                waiting_high[place] = high[k];
+                waiting[place] = node.child[k];
             }
         }
     }
@@ -407,11 +410,10 @@ private:
     template <class Function, class Visit>
     void isolate(const Function& function, const Chart& ray, int number, double u_start, Visit&& visit) const {
         constexpr int deepest_split = 48;
-        Part<Function> parts[deepest_split + 2];
+        Part<Function> waiting[deepest_split + 2];
         int count = 0;
-        parts[count++] = {0.0, function.x_end, function.start(), function.end()};
-        while (count > 0) {
-            const Part<Function> part = parts[--count];
+        Part<Function> part = {0.0, function.x_end, function.start(), function.end()};
+        for (;;) {
             const double third = (part.high - part.low) / 3.0;
             const double g0 = part.at_low.g, g3 = part.at_high.g;
             const double g1 = g0 + third * part.at_low.slope, g2 = g3 - third * part.at_high.slope;
@@ -422,21 +424,23 @@ private:
                 const double lowest = lesser(lesser(g0, g1), lesser(g2, g3));
                 const double highest = greater(greater(g0, g1), greater(g2, g3));
                 const double distance = g0 >= 0.0 ? lowest : -highest;
-                if (!crosses && distance > 0.25 * (highest - lowest)) continue;
                 // Where a ray runs along the surface g is rounding errors only, and splitting would find each of them.
-                settled = greater(highest, -lowest) <= noise_;
+                settled = (!crosses && distance > 0.25 * (highest - lowest)) || greater(highest, -lowest) <= noise_;
             }
-            if (settled) {
-                if (!crosses) continue;
-                const double u_low = function.parameter(part.low), u_high = function.parameter(part.high);
-                if (u_start >= lesser(u_low, u_high) && u_start <= greater(u_low, u_high)) continue;
-                report(function, ray, number, part, visit);
+            if (!settled) {
+                const double middle = 0.5 * (part.low + part.high);
+                const Value value = function.at(middle);
+                waiting[count++] = {middle, part.high, value, part.at_high};
+                part = {part.low, middle, part.at_low, value};
                 continue;
             }
-            const double middle = 0.5 * (part.low + part.high);
-            const Value value = function.at(middle);
-            parts[count++] = {middle, part.high, value, part.at_high};
-            parts[count++] = {part.low, middle, part.at_low, value};
+            if (crosses) {
+                const double u_low = function.parameter(part.low), u_high = function.parameter(part.high);
+                const bool starts_here = u_start >= lesser(u_low, u_high) && u_start <= greater(u_low, u_high);
+                if (!starts_here) report(function, ray, number, part, visit);
+            }
+            if (count == 0) return;
+            part = waiting[--count];
         }
     }
 

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <type_traits>
 #include <vector>
 
 #include "fresnel.hpp"
@@ -233,15 +234,20 @@ private:
                     return;
                 }
                 meet_with(path, next, n1, n2, normal, m);
-                // A normal interpolated over a facet may send a ray to the facet's wrong side; the facet's own cannot.
-                const Vector facet = surface.facet_normal(next.hit, normal);
-                const double way = next.hit.entering ? 1.0 : -1.0;
-                const bool back = way * dot(facet, reflected_direction(path, m)) > 0.0;
-                const bool on = m.interface.reflectance >= 1.0 || way * dot(facet, refracted_direction(path, m)) < 0.0;
-                if (!back || !on) meet_with(path, next, n1, n2, facet, m);
+                if constexpr (std::is_same_v<std::decay_t<decltype(surface)>, Mesh>)
+                    keep_sides(surface, path, next, n1, n2, m);
             },
             scene_.bodies[next.body]);
         return m;
+    }
+
+    // A normal interpolated over a facet may send a ray to the facet's wrong side; the facet's own cannot.
+    static void keep_sides(const Mesh& mesh, const Path& path, const Next& next, double n1, double n2, Meeting& m) {
+        const Vector facet = mesh.facet_normal(next.hit);
+        const double way = next.hit.entering ? 1.0 : -1.0;
+        const bool back = way * dot(facet, reflected_direction(path, m)) > 0.0;
+        const bool on = m.interface.reflectance >= 1.0 || way * dot(facet, refracted_direction(path, m)) < 0.0;
+        if (!back || !on) meet_with(path, next, n1, n2, facet, m);
     }
 
     static void meet_with(const Path& path, const Next& next, double n1, double n2, const Vector& normal, Meeting& m) {

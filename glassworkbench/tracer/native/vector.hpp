@@ -9,8 +9,19 @@ namespace glass {
 inline double lesser(double a, double b) { return a < b ? a : b; }
 inline double greater(double a, double b) { return a > b ? a : b; }
 
+// Copied number by number: a copy in wider registers would wait for the numbers just written.
 struct Vector {
     double x = 0.0, y = 0.0, z = 0.0;
+
+    Vector() = default;
+    Vector(double x, double y, double z) : x(x), y(y), z(z) {}
+    Vector(const Vector& o) : x(o.x), y(o.y), z(o.z) {}
+    Vector& operator=(const Vector& o) {
+        x = o.x;
+        y = o.y;
+        z = o.z;
+        return *this;
+    }
 
     double operator[](int axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
 };
@@ -76,6 +87,20 @@ struct Hit {
     int part = -1;
     double u = 0.0, v = 0.0;
     double slack = 0.0;
+
+    Hit() = default;
+    Hit(double t, bool entering, int part, double u, double v, double slack = 0.0)
+        : t(t), entering(entering), part(part), u(u), v(v), slack(slack) {}
+    Hit(const Hit& o) : t(o.t), entering(o.entering), part(o.part), u(o.u), v(o.v), slack(o.slack) {}
+    Hit& operator=(const Hit& o) {
+        t = o.t;
+        entering = o.entering;
+        part = o.part;
+        u = o.u;
+        v = o.v;
+        slack = o.slack;
+        return *this;
+    }
 };
 
 }  // namespace glass
