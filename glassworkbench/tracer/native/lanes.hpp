@@ -9,24 +9,14 @@
 
 namespace glass {
 
-typedef double Lanes __attribute__((vector_size(64)));
-constexpr int lane_count = 8;
-
-// Half the digits and twice the lanes, for boxes that have room for its rounding.
+// For boxes: they have room for the rounding of float32.
 typedef float FloatLanes __attribute__((vector_size(64)));
 typedef std::int32_t FloatMask __attribute__((vector_size(64)));
 constexpr int float_lane_count = 16;
 
-inline Lanes every(double value) { return Lanes{} + value; }
 inline FloatLanes every(float value) { return FloatLanes{} + value; }
-template <class Numbers>
-Numbers smaller(const Numbers& a, const Numbers& b) {
-    return a < b ? a : b;
-}
-template <class Numbers>
-Numbers larger(const Numbers& a, const Numbers& b) {
-    return a > b ? a : b;
-}
+inline FloatLanes smaller(const FloatLanes& a, const FloatLanes& b) { return a < b ? a : b; }
+inline FloatLanes larger(const FloatLanes& a, const FloatLanes& b) { return a > b ? a : b; }
 
 inline FloatLanes square_root(FloatLanes a) {
 #if defined(__AVX512F__)
@@ -48,17 +38,6 @@ inline unsigned where_no_larger(const FloatLanes& a, const FloatLanes& b) {
     return bits;
 #endif
 }
-inline unsigned where_no_larger(const Lanes& a, const Lanes& b) {
-#if defined(__AVX512F__)
-    return _mm512_cmp_pd_mask(reinterpret_cast<__m512d>(a), reinterpret_cast<__m512d>(b), _CMP_LE_OQ);
-#else
-    const auto mask = a <= b;
-    unsigned bits = 0;
-    for (int k = 0; k < lane_count; ++k) bits |= static_cast<unsigned>(mask[k] & 1) << k;
-    return bits;
-#endif
-}
-
 // The number of the lowest bit that is set.
 inline int lowest_bit(unsigned bits) { return __builtin_ctz(bits); }
 
