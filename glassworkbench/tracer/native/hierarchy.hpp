@@ -76,42 +76,42 @@ private:
     static constexpr int width = float_lane_count;
     static constexpr float rounding = 1.2e-7f;  // of a float32, relative
 
-    // The next float32 beyond a number's own rounding.
-    static float below(double value) { return static_cast<float>(value - 1.5 * rounding * std::fabs(value)); }
-    static float above(double value) { return static_cast<float>(value + 1.5 * rounding * std::fabs(value)); }
+    // Float32 numbers beyond the rounding of a few operations.
+    static float below(double value) { return static_cast<float>(value - 8.0 * rounding * std::fabs(value)); }
+    static float above(double value) { return static_cast<float>(value + 8.0 * rounding * std::fabs(value)); }
 
     // Boxes in float32, no smaller than the exact ones.
     struct Node {
-        FloatLanes low[3], high[3];
+        FloatLanes side[2][3];      // low, high
         std::int32_t child[width];  // a node, or the first item of a leaf
         std::int32_t count[width];  // items of a leaf, or 0
         unsigned children = 0;      // one bit each
     };
 
     struct Slabs {
+        int nearer[3];  // 1 where the ray comes from a box's high side
         float origin[3], inverse[3];
-        float margin[3];  // of t, for the rounding of the origin and of differences from it
+        float margin[3];  // of t, for the rounding of the origin
 
         explicit Slabs(const Ray& ray) {
             for (int axis = 0; axis < 3; ++axis) {
                 origin[axis] = static_cast<float>(ray.origin[axis]);
                 inverse[axis] = static_cast<float>(lesser(greater(1.0 / ray.direction[axis], -1e30), 1e30));
                 margin[axis] = 2.0f * rounding * std::fabs(origin[axis] * inverse[axis]);
+                nearer[axis] = inverse[axis] < 0.0f;
             }
         }
 
-        // Where the ray is inside each child's box; empty where high < low. The ends are widened by more than the
-        // rounding of the products (Ize 2013).
+        // Where the ray is inside each child's box; empty where high < low. The far ends are widened by more than the
+        // rounding of near and far ends (Ize 2013).
         void overlap(const Node& node, float t_min, float t_best, FloatLanes& low, FloatLanes& high) const {
             low = every(t_min);
             high = every(t_best);
             for (int axis = 0; axis < 3; ++axis) {
-                const FloatLanes a = (node.low[axis] - origin[axis]) * inverse[axis];
-                const FloatLanes b = (node.high[axis] - origin[axis]) * inverse[axis];
-                const FloatLanes near = smaller(a, b), far = larger(a, b);
-                const FloatLanes wider = (4.0f * rounding) * larger(far, -near) + margin[axis];
-                low = larger(near - wider, low);
-                high = smaller(far + wider, high);
+                const FloatLanes near = (node.side[nearer[axis]][axis] - origin[axis]) * inverse[axis];
+                const FloatLanes far = (node.side[1 - nearer[axis]][axis] - origin[axis]) * inverse[axis];
+                low = larger(near - margin[axis], low);
+                high = smaller(far + (8.0f * rounding) * larger(far, -far) + margin[axis], high);
             }
         }
     };
@@ -220,8 +220,8 @@ private:
             const std::int32_t child = node.count > 0 ? node.first : collapse(binary, children[k]);
             Node& wide = nodes_[index];
             for (int axis = 0; axis < 3; ++axis) {
-                wide.low[axis][k] = below(node.box.low[axis]);
-                wide.high[axis][k] = above(node.box.high[axis]);
+                wide.side[0][axis][k] = below(node.box.low[axis]);
+                wide.side[1][axis][k] = above(node.box.high[axis]);
             }
             wide.child[k] = child;
             wide.count[k] = node.count;

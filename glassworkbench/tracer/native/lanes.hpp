@@ -15,8 +15,24 @@ typedef std::int32_t FloatMask __attribute__((vector_size(64)));
 constexpr int float_lane_count = 16;
 
 inline FloatLanes every(float value) { return FloatLanes{} + value; }
-inline FloatLanes smaller(const FloatLanes& a, const FloatLanes& b) { return a < b ? a : b; }
-inline FloatLanes larger(const FloatLanes& a, const FloatLanes& b) { return a > b ? a : b; }
+
+// Of a NaN and a number the second.
+inline FloatLanes smaller(const FloatLanes& a, const FloatLanes& b) {
+#if defined(__AVX512F__)
+    return reinterpret_cast<FloatLanes>(
+        _mm512_maskz_min_ps(0xffff, reinterpret_cast<__m512>(a), reinterpret_cast<__m512>(b)));
+#else
+    return a < b ? a : b;
+#endif
+}
+inline FloatLanes larger(const FloatLanes& a, const FloatLanes& b) {
+#if defined(__AVX512F__)
+    return reinterpret_cast<FloatLanes>(
+        _mm512_maskz_max_ps(0xffff, reinterpret_cast<__m512>(a), reinterpret_cast<__m512>(b)));
+#else
+    return a > b ? a : b;
+#endif
+}
 
 inline FloatLanes square_root(FloatLanes a) {
 #if defined(__AVX512F__)
