@@ -175,6 +175,8 @@ private:
     template <class Visit>
     void test(const Ray& ray, const Shear& shear, std::int32_t number, const Hit& start, Visit&& visit) const {
         const Triangle& triangle = triangles_[number];
+        const bool may_touch = std::fabs(dot(ray.direction, triangle.cone_axis)) <= triangle.cone_sine;
+        if (number == start.part && !may_touch) return;
         Vector corner[3];
         for (int k = 0; k < 3; ++k) corner[k] = shear.point(triangle.corner[k]);
         // Seen along the ray, lengths and areas grow by what the shear stretches, if they do.
@@ -192,9 +194,8 @@ private:
                 turns += triangle.along[k] ? once : -once;
             }
         }
-        const bool may_touch = std::fabs(dot(ray.direction, triangle.cone_axis)) <= triangle.cone_sine;
         if (number == start.part) {
-            if (may_touch) test_again(shear, triangle, number, start, turns, visit);
+            test_again(shear, triangle, number, start, turns, visit);
             return;
         }
         if (turns != 0) {
