@@ -146,7 +146,7 @@ private:
             nodes[index].box = box;
             const Vector extent = centres.high - centres.low;
             const int axis = extent.x > extent.y ? (extent.x > extent.z ? 0 : 2) : (extent.y > extent.z ? 1 : 2);
-            if (count <= 1 || !(extent[axis] > 0.0)) {
+            if (count <= 2 || !(extent[axis] > 0.0)) {
                 nodes[index].first = first;
                 nodes[index].count = count;
                 return;
