@@ -53,7 +53,7 @@ public:
                 continue;
             }
             const Node& node = nodes_[first_item];
-            FloatLanes low, high;
+            Lanes low, high;
             slabs.overlap(node, from, to, low, high);
             const int first = depth;
             for (unsigned reached = where_no_larger(low, high) & node.children; reached != 0; reached &= reached - 1) {
@@ -73,7 +73,7 @@ public:
     }
 
 private:
-    static constexpr int width = float_lane_count;
+    static constexpr int width = lane_count;
     static constexpr float rounding = 1.2e-7f;  // of a float32, relative
 
     // Float32 numbers beyond the rounding of a few operations.
@@ -82,7 +82,7 @@ private:
 
     // Boxes in float32, no smaller than the exact ones.
     struct Node {
-        FloatLanes side[2][3];      // low, high
+        Lanes side[2][3];           // low, high
         std::int32_t child[width];  // a node, or the first item of a leaf
         std::int32_t count[width];  // items of a leaf, or 0
         unsigned children = 0;      // one bit each
@@ -104,14 +104,14 @@ private:
 
         // Where the ray is inside each child's box; empty where high < low. The far ends are widened by more than the
         // rounding of near and far ends (Ize 2013).
-        void overlap(const Node& node, float t_min, float t_best, FloatLanes& low, FloatLanes& high) const {
+        void overlap(const Node& node, float t_min, float t_best, Lanes& low, Lanes& high) const {
             low = every(t_min);
             high = every(t_best);
             for (int axis = 0; axis < 3; ++axis) {
-                const FloatLanes near = (node.side[nearer[axis]][axis] - origin[axis]) * inverse[axis];
-                const FloatLanes far = (node.side[1 - nearer[axis]][axis] - origin[axis]) * inverse[axis];
+                const Lanes near = (node.side[nearer[axis]][axis] - origin[axis]) * inverse[axis];
+                const Lanes far = (node.side[1 - nearer[axis]][axis] - origin[axis]) * inverse[axis];
                 low = larger(near - margin[axis], low);
-                high = smaller(far + (8.0f * rounding) * larger(far, -far) + margin[axis], high);
+                high = smaller(far + larger(far, -far) * (8.0f * rounding) + margin[axis], high);
             }
         }
     };
@@ -220,8 +220,8 @@ private:
             const std::int32_t child = node.count > 0 ? node.first : collapse(binary, children[k]);
             Node& wide = nodes_[index];
             for (int axis = 0; axis < 3; ++axis) {
-                wide.side[0][axis][k] = below(node.box.low[axis]);
-                wide.side[1][axis][k] = above(node.box.high[axis]);
+                wide.side[0][axis].set(k, below(node.box.low[axis]));
+                wide.side[1][axis].set(k, above(node.box.high[axis]));
             }
             wide.child[k] = child;
             wide.count[k] = node.count;

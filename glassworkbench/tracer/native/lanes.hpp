@@ -1,4 +1,5 @@
-// Numbers side by side: the compiler's vector extension, in whatever registers the build has.
+// Sixteen float32 numbers side by side, in whatever registers the build has. For boxes: they have room for its
+// rounding.
 #pragma once
 
 #include <cmath>
@@ -9,51 +10,123 @@
 
 namespace glass {
 
-// For boxes: they have room for the rounding of float32.
-typedef float FloatLanes __attribute__((vector_size(64)));
-typedef std::int32_t FloatMask __attribute__((vector_size(64)));
-constexpr int float_lane_count = 16;
+constexpr int lane_count = 16;
 
-inline FloatLanes every(float value) { return FloatLanes{} + value; }
+// In parts as wide as a register: of wider vectors compilers make single numbers.
+struct Lanes {
+#if defined(__AVX512F__)
+    static constexpr int width = 16;
+#elif defined(__AVX2__)
+    static constexpr int width = 8;
+#else
+    static constexpr int width = 4;
+#endif
+    static constexpr int parts = lane_count / width;
+    typedef float Part __attribute__((vector_size(4 * width)));
+    typedef std::int32_t Mask __attribute__((vector_size(4 * width)));
+
+    Part part[parts];
+
+    float operator[](int k) const { return part[k / width][k % width]; }
+    void set(int k, float value) { part[k / width][k % width] = value; }
+
+    template <class Function>
+    static Lanes each(Function&& function) {
+        Lanes result;
+        for (int k = 0; k < parts; ++k) result.part[k] = function(k);
+        return result;
+    }
+};
+
+inline Lanes every(float value) {
+    return Lanes::each([&](int) { return Lanes::Part{} + value; });
+}
+inline Lanes operator+(const Lanes& a, const Lanes& b) {
+    return Lanes::each([&](int k) { return a.part[k] + b.part[k]; });
+}
+inline Lanes operator-(const Lanes& a, const Lanes& b) {
+    return Lanes::each([&](int k) { return a.part[k] - b.part[k]; });
+}
+inline Lanes operator*(const Lanes& a, const Lanes& b) {
+    return Lanes::each([&](int k) { return a.part[k] * b.part[k]; });
+}
+inline Lanes operator-(const Lanes& a) {
+    return Lanes::each([&](int k) { return -a.part[k]; });
+}
+inline Lanes operator+(const Lanes& a, float b) { return a + every(b); }
+inline Lanes operator-(const Lanes& a, float b) { return a - every(b); }
+inline Lanes operator*(const Lanes& a, float b) { return a * every(b); }
+
+// In each lane x where a > b, else y.
+inline Lanes where_greater(const Lanes& a, const Lanes& b, const Lanes& x, const Lanes& y) {
+    return Lanes::each([&](int k) { return a.part[k] > b.part[k] ? x.part[k] : y.part[k]; });
+}
 
 // Of a NaN and a number the second.
-inline FloatLanes smaller(const FloatLanes& a, const FloatLanes& b) {
+inline Lanes smaller(const Lanes& a, const Lanes& b) {
+    return Lanes::each([&](int k) -> Lanes::Part {
 #if defined(__AVX512F__)
-    return reinterpret_cast<FloatLanes>(
-        _mm512_maskz_min_ps(0xffff, reinterpret_cast<__m512>(a), reinterpret_cast<__m512>(b)));
+        return (Lanes::Part)_mm512_maskz_min_ps(0xffff, (__m512)a.part[k], (__m512)b.part[k]);
+#elif defined(__AVX2__)
+        return (Lanes::Part)_mm256_min_ps((__m256)a.part[k], (__m256)b.part[k]);
+#elif defined(__SSE2__)
+        return (Lanes::Part)_mm_min_ps((__m128)a.part[k], (__m128)b.part[k]);
 #else
-    return a < b ? a : b;
+        return a.part[k] < b.part[k] ? a.part[k] : b.part[k];
 #endif
+    });
 }
-inline FloatLanes larger(const FloatLanes& a, const FloatLanes& b) {
+inline Lanes larger(const Lanes& a, const Lanes& b) {
+    return Lanes::each([&](int k) -> Lanes::Part {
 #if defined(__AVX512F__)
-    return reinterpret_cast<FloatLanes>(
-        _mm512_maskz_max_ps(0xffff, reinterpret_cast<__m512>(a), reinterpret_cast<__m512>(b)));
+        return (Lanes::Part)_mm512_maskz_max_ps(0xffff, (__m512)a.part[k], (__m512)b.part[k]);
+#elif defined(__AVX2__)
+        return (Lanes::Part)_mm256_max_ps((__m256)a.part[k], (__m256)b.part[k]);
+#elif defined(__SSE2__)
+        return (Lanes::Part)_mm_max_ps((__m128)a.part[k], (__m128)b.part[k]);
 #else
-    return a > b ? a : b;
+        return a.part[k] > b.part[k] ? a.part[k] : b.part[k];
 #endif
+    });
 }
 
-inline FloatLanes square_root(FloatLanes a) {
+inline Lanes square_root(const Lanes& a) {
+    return Lanes::each([&](int k) -> Lanes::Part {
 #if defined(__AVX512F__)
-    return reinterpret_cast<FloatLanes>(_mm512_maskz_sqrt_ps(0xffff, reinterpret_cast<__m512>(a)));
+        return (Lanes::Part)_mm512_maskz_sqrt_ps(0xffff, (__m512)a.part[k]);
+#elif defined(__AVX2__)
+        return (Lanes::Part)_mm256_sqrt_ps((__m256)a.part[k]);
+#elif defined(__SSE2__)
+        return (Lanes::Part)_mm_sqrt_ps((__m128)a.part[k]);
 #else
-    for (int k = 0; k < float_lane_count; ++k) a[k] = std::sqrt(a[k]);
-    return a;
+        Lanes::Part root;
+        for (int lane = 0; lane < Lanes::width; ++lane) root[lane] = std::sqrt(a.part[k][lane]);
+        return root;
 #endif
+    });
 }
 
 // Bit k says whether a[k] <= b[k].
-inline unsigned where_no_larger(const FloatLanes& a, const FloatLanes& b) {
-#if defined(__AVX512F__)
-    return _mm512_cmp_ps_mask(reinterpret_cast<__m512>(a), reinterpret_cast<__m512>(b), _CMP_LE_OQ);
-#else
-    const FloatMask mask = a <= b;
+inline unsigned where_no_larger(const Lanes& a, const Lanes& b) {
     unsigned bits = 0;
-    for (int k = 0; k < float_lane_count; ++k) bits |= static_cast<unsigned>(mask[k] & 1) << k;
-    return bits;
+    for (int k = 0; k < Lanes::parts; ++k) {
+#if defined(__AVX512F__)
+        bits |= _mm512_cmp_ps_mask((__m512)a.part[k], (__m512)b.part[k], _CMP_LE_OQ);
+#else
+        const Lanes::Mask mask = a.part[k] <= b.part[k];
+#if defined(__AVX2__)
+        bits |= static_cast<unsigned>(_mm256_movemask_ps((__m256)mask)) << (k * Lanes::width);
+#elif defined(__SSE2__)
+        bits |= static_cast<unsigned>(_mm_movemask_ps((__m128)mask)) << (k * Lanes::width);
+#else
+        for (int lane = 0; lane < Lanes::width; ++lane)
+            bits |= static_cast<unsigned>(mask[lane] & 1) << (k * Lanes::width + lane);
 #endif
+#endif
+    }
+    return bits;
 }
+
 // The number of the lowest bit that is set.
 inline int lowest_bit(unsigned bits) { return __builtin_ctz(bits); }
 

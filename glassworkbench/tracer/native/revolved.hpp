@@ -89,11 +89,11 @@ public:
     }
 
 private:
-    static constexpr int width = float_lane_count;
+    static constexpr int width = lane_count;
 
     // Boxes in float32, larger than what is in them by more than its rounding.
     struct Node {
-        FloatLanes r2_low, r2_high, z_low, z_high;
+        Lanes r2_low, r2_high, z_low, z_high;
         std::int32_t child[width];  // a node, or ~piece
         unsigned children = 0;      // one bit each
     };
@@ -169,10 +169,10 @@ private:
             const int child = n == 1 ? ~first[start] : build(first + start, n);
             const double rounding = 1e-6 * greater(std::fabs(z_low), std::fabs(z_high));
             Node& node = nodes_[index];
-            node.r2_low[k] = static_cast<float>(r_low * r_low - r2_margin);
-            node.r2_high[k] = static_cast<float>(r_high * r_high + r2_margin);
-            node.z_low[k] = static_cast<float>(z_low - z_margin - rounding);
-            node.z_high[k] = static_cast<float>(z_high + z_margin + rounding);
+            node.r2_low.set(k, static_cast<float>(r_low * r_low - r2_margin));
+            node.r2_high.set(k, static_cast<float>(r_high * r_high + r2_margin));
+            node.z_low.set(k, static_cast<float>(z_low - z_margin - rounding));
+            node.z_high.set(k, static_cast<float>(z_high + z_margin + rounding));
             node.child[k] = child;
             node.children |= 1u << k;
         }
@@ -182,33 +182,32 @@ private:
     // For each child the interval of tau in which the ray can be inside its box: the slab of z, then the annulus of r,
     // whose r^2 is a convex function of tau. Empty where high < low. Products and roots are widened by their rounding;
     // that of differences the boxes have room for.
-    static void reach(const Node& node, const Culling& ray, bool flat, float tau_low, float tau_high, FloatLanes& low,
-                      FloatLanes& high) {
-        const FloatLanes t1 = (node.z_low - ray.z0) * ray.inverse_dz, t2 = (node.z_high - ray.z0) * ray.inverse_dz;
-        const FloatLanes near = smaller(t1, t2), far = larger(t1, t2);
-        const FloatLanes margin = (4.0f * float_rounding) * larger(far, -near) + ray.z_margin;
+    static void reach(const Node& node, const Culling& ray, bool flat, float tau_low, float tau_high, Lanes& low,
+                      Lanes& high) {
+        const Lanes t1 = (node.z_low - ray.z0) * ray.inverse_dz, t2 = (node.z_high - ray.z0) * ray.inverse_dz;
+        const Lanes near = smaller(t1, t2), far = larger(t1, t2);
+        const Lanes margin = larger(far, -near) * (4.0f * float_rounding) + ray.z_margin;
         low = larger(near - margin, every(tau_low));
         high = smaller(far + margin, every(tau_high));
-        const FloatLanes nothing = every(-INFINITY);
+        const Lanes nothing = every(-INFINITY);
         if (flat) {
             constexpr float more = 1.0f + 4.0f * float_rounding, less = 1.0f - 4.0f * float_rounding;
-            const FloatLanes none = every(0.0f);
-            const FloatLanes outer = (node.r2_high - ray.C) * ray.inverse_A;
-            const FloatLanes inner = (node.r2_low - ray.C) * ray.inverse_A;
-            const FloatLanes out = more * square_root(larger(outer, none)),
-                             in = less * square_root(larger(inner, none));
+            const Lanes none = every(0.0f);
+            const Lanes outer = (node.r2_high - ray.C) * ray.inverse_A;
+            const Lanes inner = (node.r2_low - ray.C) * ray.inverse_A;
+            const Lanes out = square_root(larger(outer, none)) * more, in = square_root(larger(inner, none)) * less;
             low = larger(low, -out);
             high = smaller(high, out);
-            low = low > -in ? larger(low, in) : low;
-            high = high < in ? smaller(high, -in) : high;
-            high = outer < none ? nothing : high;
+            low = where_greater(low, -in, larger(low, in), low);
+            high = where_greater(in, high, smaller(high, -in), high);
+            high = where_greater(none, outer, nothing, high);
         } else {
-            const FloatLanes nearest = smaller(larger(every(-ray.B * ray.inverse_A), low), high);
-            const FloatLanes r2_low = ray.C + low * (2.0f * ray.B + low * ray.A);
-            const FloatLanes r2_high = ray.C + high * (2.0f * ray.B + high * ray.A);
-            const FloatLanes r2_nearest = ray.C + nearest * (2.0f * ray.B + nearest * ray.A);
-            high = r2_nearest > node.r2_high ? nothing : high;
-            high = larger(r2_low, r2_high) < node.r2_low ? nothing : high;
+            const Lanes nearest = smaller(larger(every(-ray.B * ray.inverse_A), low), high);
+            const Lanes r2_low = low * (low * ray.A + 2.0f * ray.B) + ray.C;
+            const Lanes r2_high = high * (high * ray.A + 2.0f * ray.B) + ray.C;
+            const Lanes r2_nearest = nearest * (nearest * ray.A + 2.0f * ray.B) + ray.C;
+            high = where_greater(r2_nearest, node.r2_high, nothing, high);
+            high = where_greater(node.r2_low, larger(r2_low, r2_high), nothing, high);
         }
     }
 
@@ -243,7 +242,7 @@ private:
                 continue;
             }
             const Node& node = nodes_[child];
-            FloatLanes low, high;
+            Lanes low, high;
             reach(node, culling, ray.flat, tau_min, tau_best, low, high);
             const int first = depth;
             for (unsigned reached = where_no_larger(low, high) & node.children; reached != 0; reached &= reached - 1) {
