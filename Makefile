@@ -1,7 +1,7 @@
 PYTHON ?= /usr/bin/python3
 RUFF_VERSION := 0.17.6
 
-.PHONY: help setup build demo test lint bench bench-walls compat clean
+.PHONY: help setup build demo test lint sanitize fuzz sanitized bench bench-walls compat clean
 
 help: ## Show this list
 	@echo "make TARGET, where TARGET is one of"
@@ -33,8 +33,28 @@ lint: setup .venv/ruff-$(RUFF_VERSION) ## Check the style of Python and C++
 	@.venv/bin/pip install --disable-pip-version-check ruff==$(RUFF_VERSION)
 	@touch $@
 
-bench: build ## Measure the tracer's speed and leaks
-	@for name in leaks patches; do echo "== $$name"; $(PYTHON) benchmarks/$$name.py || exit 1; done
+SANITIZED := $(CURDIR)/build/sanitized
+# Python itself is not built with the sanitizers: they must be there before it, and it never frees all its memory.
+UNDER_SANITIZERS = GLASSWORKBENCH_LIBRARIES=$(SANITIZED)/lib ASAN_OPTIONS=detect_leaks=0 \
+	LD_PRELOAD="$$($(CXX) -print-file-name=libasan.so) $$($(CXX) -print-file-name=libubsan.so)"
+NATIVE_TESTS := native hard_cases patches physics surfaces render outside
+
+sanitized: setup
+	@for room in tracer spatial; do \
+		cmake -S glassworkbench/$$room/native -B $(SANITIZED)/$$room -DGLASSWORKBENCH_SANITIZE=ON \
+			-DGLASSWORKBENCH_LIBRARIES=$(SANITIZED)/lib >/dev/null && \
+		cmake --build $(SANITIZED)/$$room --parallel 2 >/dev/null || exit 1; \
+	done
+
+sanitize: sanitized ## Run the tests of the native code under the address and undefined-behaviour sanitizers
+	@$(UNDER_SANITIZERS) $(PYTHON) -m pytest -q -p no:cacheprovider -k "not reference and not both_tracers" \
+		$(NATIVE_TESTS:%=tests/test_%.py)
+
+fuzz: sanitized ## Trace random scenes under the sanitizers, for FUZZ_SECONDS (600 if not given)
+	@$(UNDER_SANITIZERS) $(PYTHON) tests/fuzz.py $(or $(FUZZ_SECONDS),600)
+
+bench: build ## Measure the tracer's speed, beside Embree's, and its leaks
+	@for name in throughput leaks patches; do echo "== $$name"; $(PYTHON) benchmarks/$$name.py || exit 1; done
 
 bench-walls: build ## Hollow every mold by every wall and method (hours; goes on where it stopped)
 	@$(PYTHON) benchmarks/walls.py

@@ -11,7 +11,6 @@ import os
 import re
 import signal
 import sys
-import textwrap
 import time
 import traceback
 import warnings
@@ -78,8 +77,30 @@ def main(arguments: Sequence[str]) -> int:
 def _told(error: object, code: int, verbose: bool) -> int:
     if verbose:
         traceback.print_exc()
-    print("glassworkbench:", " ".join(str(error).split()), file=sys.stderr)
+    print("glassworkbench:", _in_options(" ".join(str(error).split())), file=sys.stderr)
     return code
+
+
+_OPTIONS = {
+    "outer_shell=True": "--outer-shell",
+    "block=True": "--block",
+    "close_open_shell=True": "--close",
+    "accept_best=True": "--best",
+    "thickness=": "--wall ",
+    "finish_height_mm=": "--finish-height ",
+    "finish_height_mm": "--finish-height",
+    "scale_to_mm=": "--scale ",
+    "scale_to_mm": "--scale",
+    "tolerance_mm": "--tolerance",
+}
+"""What the rooms call by its name in Python, and how it is called here."""
+
+
+def _in_options(sentence: str) -> str:
+    """Return a sentence of the other rooms in the words of the command line."""
+    for name, option in _OPTIONS.items():
+        sentence = sentence.replace(name, option)
+    return sentence
 
 
 @contextmanager
@@ -152,61 +173,11 @@ def _inspect(options: argparse.Namespace) -> None:
     _check_input(options.mold)
     _check_positive(options, "scale", "finish_height")
     from glassworkbench.mold import inspect
+    from glassworkbench.mold.inspection_words import in_words
 
     found = inspect(options.mold, **_mold_options(options))
-    print(_json(found) if options.json else "\n".join(_lines(found)))
-
-
-TIED = "\N{NO-BREAK SPACE}"
-"""Between words that stay in one line."""
-
-SHAPE_ENTITY = re.compile(
-    r"(?!.*(STYLE|REPRESENTATION|PCURVE))"
-    r".*(SURFACE|PLANE$|CURVE|^LINE$|CIRCLE|ELLIPSE|PARABOLA|HYPERBOLA|POLYLINE|BREP|SHELL|FACE$)"
-)
-"""Which of a STEP file's entities are told; JSON has all."""
-
-_UNITS = {"_mm3": "mm3", "_mm": "mm", "_deg": "degrees"}
-
-
-def _lines(found: Mapping) -> Iterator[str]:
-    """Yield what was found as two columns: names, and values with their units, one below the other where several."""
-    for key, value in found.items():
-        name, unit = next(
-            ((key.removesuffix(end), unit) for end, unit in _UNITS.items() if key.endswith(end)), (key, "")
-        )
-        told = _told_values(key, value, f" {unit}" if unit and value is not None else "")
-        label = name.replace("_", " ").replace("finish face", "finish is face")
-        for text in told or ["none"]:
-            yield textwrap.fill(text, 110, initial_indent=f"{label:20} ", subsequent_indent=21 * " ")
-            label = ""
-
-
-def _told_values(key: str, value: object, unit: str) -> list[str]:
-    if key == "hollow" and value:
-        return ["yes; the mold can be its outside (--outer-shell)"]
-    if key == "regions" and value is not None:
-        return [f"{region} from {_short(low)} to {_short(high)} mm" for region, (low, high) in value.items()]
-    if key == "departure_at" and value is not None:
-        return [f"height {_short(value['height_mm'])} mm, {_short(value['angle_deg'])} degrees from x about the axis"]
-    if isinstance(value, Mapping):
-        kinds = value if key != "entities" else filter(SHAPE_ENTITY.match, value)
-        told = ", ".join(f"{value[kind]}{TIED}{kind.replace('_', TIED).lower()}" for kind in kinds)
-        return [told] if told else []
-    if isinstance(value, (list, tuple)) and value and isinstance(value[0], str):
-        return [f"- {sentence}" for sentence in value]
-    if isinstance(value, (list, tuple)):
-        return [f"{', '.join(map(_short, value))}{unit}"] if value else []
-    return [f"{_short(value)}{unit}"]
-
-
-def _short(value: object) -> str:
-    if isinstance(value, bool) or value is None:
-        return {True: "yes", False: "no", None: "unknown"}[value]
-    if isinstance(value, float):
-        # Adding 0 makes zero of a minus zero, which rounding leaves of -1e-16.
-        return f"{value:.0f}" if 1e5 <= abs(value) < 1e15 else f"{round(value, 9) + 0.0:.6g}"
-    return str(value)
+    found["faults"] = [_in_options(fault) for fault in found["faults"]]
+    print(_json(found) if options.json else _in_options("\n".join(in_words(found))))
 
 
 # hollow
@@ -239,8 +210,12 @@ def _hollow(options: argparse.Namespace) -> None:
         outputs.append(check_picture(options.map))
     _check_files(options, outputs)
     _check_positive(options, "scale", "finish_height", "tolerance", "seconds")
+    _check_mesh_output(options.mold, output)
     fill = None if options.fill_point is None else _quantity(options.fill_point)
     container = _hollowed(options)
+    from glassworkbench.wall.asking.shortened import shortened
+    from glassworkbench.wall.container import STL_DEVIATION_MM
+
     report = container.report.to_json() | {"input": _input(options.mold), "version": __version__}
     if fill is not None:
         number, unit = fill
@@ -249,7 +224,19 @@ def _hollow(options: argparse.Namespace) -> None:
     container.save(output)
     if options.map is not None:
         container.save_map(options.map)
-    _answer(options, report, f"{', '.join(map(str, outputs))}: {_told_of_wall(report)}")
+    wall = shortened(container.thickness)
+    told = _told_of_wall(wall, report)
+    if output.suffix.lower() == ".stl" and container.solid is not None:
+        told += f", triangles within {STL_DEVIATION_MM:g} mm"
+    _answer(options, report, f"{', '.join(map(str, outputs))}: {told}")
+
+
+def _check_mesh_output(mold: str, output: Path) -> None:
+    """Tell before the work that the container of a mesh cannot be written as a solid."""
+    from glassworkbench.mold.read import MESH_ENDINGS
+
+    if Path(mold).suffix.lower() in MESH_ENDINGS and output.suffix.lower() != ".stl":
+        raise InputError(f"{output}: the container of a mesh is a mesh, too; let the name end in .stl")
 
 
 def _hollowed(options: argparse.Namespace) -> object:
@@ -273,10 +260,10 @@ def _quantity(text: str) -> tuple[float, str]:
     return float(match[1]), match[2]
 
 
-def _told_of_wall(report: Mapping) -> str:
-    wall, fill = report["wall"], report.get("fill_point")
+def _told_of_wall(wall: str, report: Mapping) -> str:
+    deviation, fill = report["wall"]["deviation_p99_mm"], report.get("fill_point")
     return (
-        f"wall {wall['asked']} by {report['method']}, 99 % within {wall['deviation_p99_mm']:.2g} mm, "
+        f"wall {wall} by {report['method']}, 99 % within {deviation:.2g} mm, "
         f"{report['weight_g']:.0f} g, {report['brimful_ml']:.0f} ml brimful"
     ) + (f", {fill['capacity_ml']:.0f} ml up to {fill['level_mm']:.1f} mm" if fill else "")
 
@@ -315,13 +302,11 @@ def _mold_options(options: argparse.Namespace) -> dict[str, object]:
 
 def _container(options: argparse.Namespace, **limits: float | None) -> object:
     """Return the wall room's container; FreeCAD is imported here and not before, as other verbs run without it."""
-    from glassworkbench.wall import hollow, parse_thickness
-
-    thickness = parse_thickness(options.wall)
     from glassworkbench.mold import read_mold
+    from glassworkbench.wall import hollow
 
     mold = read_mold(options.mold, **_mold_options(options))
-    return hollow(mold, thickness, method=options.method or "auto", **limits)
+    return hollow(mold, options.wall, method=options.method or "auto", **limits)
 
 
 def _container_as_it_is(options: argparse.Namespace) -> ContainerGeometry:

@@ -32,12 +32,21 @@ def read_toml(path: str | Path) -> dict:
 
 
 def unknown_name(kind: str, name: str, known: Iterable[str]) -> InputError:
-    """Return the error for a `name` that is not among the `known` ones, suggesting the nearest."""
-    known = sorted(known)
+    """Return the error for a `name` that is not among the `known` ones: it suggests the nearest, or lists all.
+
+    They are listed in the order in which they are given; those of a set, which has none, by the alphabet.
+    """
+    known = sorted(known) if isinstance(known, (set, frozenset)) else list(known)
+    close = nearest_name(name, known)
+    hint = f"there is {', '.join(known)}" if close is None else f"did you mean {close!r}?"
+    return InputError(f"{kind} {name!r} is not known; {hint}")
+
+
+def nearest_name(name: str, known: Iterable[str]) -> str | None:
+    """Return which of the `known` names was probably meant, None if none is like it."""
     lowered = {candidate.lower(): candidate for candidate in known}
     close = difflib.get_close_matches(str(name).lower(), lowered, n=1, cutoff=0.5)
-    hint = f"did you mean {lowered[close[0]]!r}?" if close else f"there is {', '.join(known)}"
-    return InputError(f"{kind} {name!r} is not known; {hint}")
+    return lowered[close[0]] if close else None
 
 
 def check_keys(table: Mapping, required: Iterable[str], optional: Iterable[str], where: str) -> None:

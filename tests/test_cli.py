@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 from glassworkbench import __version__
-from glassworkbench.cli import _lines, main
+from glassworkbench.cli import main
 from glassworkbench.images import read_image
 from glassworkbench.tracer import render
 
@@ -152,7 +152,7 @@ def in_folder(word, folder):
         ([*MOLD, "--glass", "emrald"], "did you mean 'emerald'"),
         ([*MOLD, "--station", "sidewal"], "did you mean 'sidewall'"),
         ([*MOLD, "--fill", "watr"], "did you mean 'water'"),
-        (["render", WINE_BOTTLE, "-o", "{folder}/x.png"], "--wall is missing"),
+        (["render", WINE_BOTTLE, "-o", "{folder}/x.png"], "as --wall 3"),
         ([*SCENE, "--wall", "3"], "--wall: the scene file"),
         ([*SCENE, "--size", "40"], "write width and height"),
         ([*SCENE, "--size", "0x40"], "0x40 pixels"),
@@ -291,8 +291,26 @@ def test_a_hollow_container_is_inspected_by_its_outer_shell(tmp_path, capsys):
     assert "--outer-shell" in told(capsys)
 
 
-def test_rounding_is_not_told_as_a_length(capsys):
-    assert list(_lines({"base_point_mm": [-8.88e-16, -1.0, 0.25]})) == ["base point           0, -1, 0.25 mm"]
+def test_a_round_mold_is_inspected_in_plain_words(capsys):
+    assert main(["inspect", WINE_BOTTLE]) == 0
+    out = capsys.readouterr().out
+    lines = {line[:20].strip(): line[21:] for line in out.splitlines()}
+    assert lines["round"] == "yes, a body of revolution"
+    assert lines["mouth"] == "face 18"
+    assert out.index("finish from") < out.index("neck from") < out.index("base from")
+    assert "7\N{NO-BREAK SPACE}surfaces\N{NO-BREAK SPACE}of\N{NO-BREAK SPACE}revolution" in lines["faces"]
+    assert "departure" not in out
+
+
+def test_what_stands_out_from_a_round_mold_is_told_with_its_place(capsys):
+    assert main(["inspect", str(ROOT / "examples" / "molds" / "jar.step")]) == 0
+    out = " ".join(capsys.readouterr().out.split())
+    assert re.search(r"round nearly: it departs from a body of revolution by up to 1\.5 mm, the most at height", out)
+
+
+def test_an_axis_that_is_rounded_is_told_without_a_minus_zero():
+    number = pytest.importorskip("glassworkbench.mold.inspection_words").number
+    assert [number(value) for value in (-8.88e-16, -1.0, 0.25, 1234567.8)] == ["0", "-1", "0.25", "1234568"]
 
 
 @pytest.mark.parametrize("asked", [["--tolerance", "0.01"], ["--seconds", "1"]])
@@ -450,3 +468,29 @@ def test_a_terminal_of_unknown_width_gets_a_readable_bar(tmp_path):
     shown = shown_on_terminal(render, columns=0)
     assert re.search(r"rendering +\d+% \|", shown)
     assert "it/s" not in shown
+
+
+def test_errors_speak_of_the_options_of_the_command_line(tmp_path, capsys):
+    import Part
+
+    shells = {
+        "open": (Part.Compound(Part.makeCylinder(20, 60).Faces[:2]), "--close"),
+        "hollow": (
+            Part.makeCylinder(20, 60).cut(Part.makeCylinder(17, 57, Part.Vertex(0, 0, 3).Point)),
+            "--outer-shell",
+        ),
+        "block": (Part.Compound([Part.makeBox(9, 9, 9), Part.makeBox(9, 9, 9, Part.Vertex(9, 0, 0).Point)]), "--block"),
+        "small": (Part.makeCylinder(0.02, 0.06), "--scale 1000"),
+        "round": (Part.makeSphere(20), "--finish-height"),
+    }
+    for name, (shape, option) in shells.items():
+        path = tmp_path / f"{name}.brep"
+        shape.exportBrep(str(path))
+        assert main(["hollow", str(path), "--wall", "3", "-o", str(tmp_path / "x.step")]) == 2
+        told = capsys.readouterr().err
+        assert option in told
+        assert not re.search(r"=True|_mm\b", told), told
+        assert main(["inspect", str(path), "--json"]) == 0
+        assert not re.search(r"=True|_mm\b", " ".join(json.loads(capsys.readouterr().out)["faults"]))
+    assert main(["render", WINE_BOTTLE, "-o", str(tmp_path / "x.png")]) == 2
+    assert "--wall 3" in capsys.readouterr().err

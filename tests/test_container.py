@@ -1,4 +1,5 @@
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +9,9 @@ from glassworkbench.errors import GlassWorkbenchError, InputError
 from glassworkbench.freecad import FreeCAD, Part
 from glassworkbench.mold import mold_from_shape, read_mold
 from glassworkbench.scene import Mesh, Patches, Revolved
-from glassworkbench.wall import METHODS, choose, hollow, parse_thickness
+from glassworkbench.wall import METHODS, FaceThickness, choose, hollow, parse_thickness
+from glassworkbench.wall.choose import HollowingError
+from glassworkbench.wall.container import STL_DEVIATION_MM
 from glassworkbench.wall.measuring.volumes import mesh_volume
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "examples" / "molds"
@@ -113,7 +116,7 @@ def test_the_report_has_the_documented_keys(cylinder):
         *("method", "tried", "wall", "solid", "glass_volume_mm3", "weight_g", "brimful_ml"),
         *("centre_of_gravity_mm", "centre_of_gravity_filled_mm", "surface_area_mm2", "seconds", "notes"),
     }
-    assert set(report["tried"][0]) == {"method", "outcome", "why", "seconds"}
+    assert set(report["tried"][0]) == {"method", "outcome", "why", "seconds", "details"}
     wall = {"asked", "samples", "min_mm", "min_at_mm", "deviation_max_mm", "deviation_p99_mm", "deviation_rms_mm"}
     assert wall <= set(report["wall"])
     assert set(report["solid"]) == {"valid", "closed", "self_intersecting", "faces"}
@@ -131,6 +134,12 @@ def test_the_thinnest_place_of_a_tapering_wall_is_at_its_thin_end(cylinder):
 @pytest.mark.parametrize("wall", [0, -1, float("nan"), "0", "nan", 30, 61, "0:2 120:31"])
 def test_an_impossible_wall_is_refused(cylinder, wall):
     with pytest.raises(InputError, match="wall"):
+        hollow(cylinder, wall)
+
+
+@pytest.mark.parametrize("wall", ["60", "31", "30.5"])
+def test_whatever_wall_is_too_thick_the_same_limit_is_told(cylinder, wall):
+    with pytest.raises(InputError, match=f"{wall} mm fills the container at height .* less than 30.00 mm fits"):
         hollow(cylinder, wall)
 
 
@@ -154,6 +163,26 @@ def test_a_method_that_a_mold_is_not_made_for_says_so(square):
         hollow(square, 3, method="revolved")
     with pytest.raises(GlassWorkbenchError, match=r"thick_solid: .*varies so much"):
         hollow(square, "0:6 100:2", method="thick_solid")
+
+
+def test_a_wall_that_steps_across_sharp_edges_is_an_offset_of_moved_faces():
+    box = Part.makeBox(60, 60, 100, FreeCAD.Vector(-30, -30, 0))
+    mold = mold_from_shape(box, "box", axis=(0, 0, 1), up=(0, 0, 1))
+    normals = [tuple(round(x) for x in face.normalAt(0, 0)) for face in mold.upright.Faces]
+    base, side = 1 + normals.index((0, 0, -1)), 1 + normals.index((1, 0, 0))
+    report = hollow(mold, FaceThickness(((base, 8.0), (side, 2.0)), 3.0)).report
+    assert report.method == "thick_solid"
+    assert report.tried[0].details[-1].endswith("good")
+    assert report.brimful_ml == pytest.approx(1e-3 * 55 * 54 * 92, rel=1e-5)
+    assert report.wall.deviation_max_mm < 1e-3
+
+
+def test_every_way_that_failed_is_in_the_report(square):
+    with pytest.raises(HollowingError) as caught:
+        hollow(square, 29.0, method="thick_solid", seconds=60)
+    details = caught.value.tried[0].details
+    assert len(details) > 1
+    assert all(line.startswith("29 mm") for line in details)
 
 
 def test_a_wall_that_varies_on_a_square_mold_is_lofted(square):
@@ -200,6 +229,32 @@ def test_the_solid_is_saved_by_ending(cylinder, tmp_path, ending):
         shape = Part.Shape()
         shape.read(str(path))
         assert mesh_volume_of(shape) == pytest.approx(container.report.glass_volume_mm3, rel=2e-3)
+
+
+def test_a_step_file_names_its_product_after_the_mold(tmp_path):
+    mold = mold_from_shape(Part.makeCylinder(30, 100), "Müller's jar", up=(0, 0, 1))
+    path = tmp_path / "jar.step"
+    hollow(mold, 3).save(path)
+    text = path.read_text(encoding="ascii")
+    assert "Open CASCADE STEP translator" not in text
+    assert re.search(r"PRODUCT\s*\(\s*'M\\X2\\00FC\\X0\\ller''s jar'", text)
+    shape = Part.Shape()
+    shape.read(str(path))
+    assert shape.isValid()
+
+
+def test_an_stl_file_is_binary_and_keeps_to_its_deviation(tmp_path):
+    path = tmp_path / "bottle.stl"
+    container = hollow(read_mold(EXAMPLES / "wine_bottle.step"), 3)
+    container.save(path)
+    content = path.read_bytes()
+    count = int.from_bytes(content[80:84], "little")
+    assert len(content) == 84 + 50 * count
+    assert 10_000 < count < 300_000
+    values = np.frombuffer(content, np.dtype([("numbers", "<f4", (4, 3)), ("of", "<u2")]), offset=84)["numbers"]
+    middles = values[:, 1:].mean(axis=1, dtype=float)[:: count // 500]
+    on_faces = [min(face.distToShape(Part.Vertex(*p))[0] for face in container.solid.Faces) for p in middles[:40]]
+    assert max(on_faces) < 1.05 * STL_DEVIATION_MM
 
 
 def test_a_file_that_cannot_be_is_refused_and_nothing_is_written(cylinder, tmp_path):

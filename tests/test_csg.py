@@ -1,5 +1,6 @@
 """An outside minus another body: a round inside in anything, and bodies that are given."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -48,7 +49,16 @@ def test_in_a_box_the_round_inside_is_the_cylinder_that_fits():
     assert mesh_volume(candidate.inside).volume_mm3 == pytest.approx(np.pi * 15.0**2 * 55.0, rel=2e-3)
     assert candidate.inside.vertices_mm[:, 2].min() == pytest.approx(5.0, abs=1e-5)
     assert euler_characteristic(candidate.inside) == 2
-    assert "STEP" in candidate.notes[0]
+    assert "STEP" in candidate.notes[-1]
+
+
+def test_how_much_thicker_the_wall_of_a_round_inside_is_in_a_box_is_told():
+    candidate, wall = made(box(), 5.0)
+    corner = np.array([[15.0 * np.sqrt(0.5), 15.0 * np.sqrt(0.5), 30.0]])
+    excess = float(wall.clearance(corner).clearance_mm[0])
+    assert excess == pytest.approx(20.0 - 15.0 * np.sqrt(0.5) - 5.0)
+    told = re.search(r"up to ([\d.]+) mm thicker", candidate.notes[0])
+    assert float(told[1]) == pytest.approx(excess, rel=0.03)
 
 
 def test_a_wall_that_fills_the_mouth_is_refused():

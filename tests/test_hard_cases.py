@@ -206,13 +206,6 @@ def test_a_grazing_line_meets_a_ball_twice_or_not_at_all(tracer, slope):
         assert np.all(off <= MOVE * 600.0 / np.maximum(half, np.sqrt(MOVE * 600.0)))
 
 
-MISSES_THE_SECOND = pytest.mark.xfail(
-    reason="of two crossings of a body at one place, as at a sharp edge, the native tracer takes one", strict=True
-)
-LEAKS_FROM_SLENDER_CONES = pytest.mark.xfail(
-    reason="light that bounces along a slender cone leaks out of it in the native tracer", strict=True
-)
-
 DEGENERATE = {
     "segments without length": polyline((0, 0), (0, 0), (10, 0), (10, 0), (10, 8), (0, 8), (0, 8)),
     "repeated control points": np.array(
@@ -235,19 +228,15 @@ DEGENERATE = {
 
 @pytest.mark.skipif(not native.available(), reason="the native tracer is not built")
 @pytest.mark.parametrize("name", DEGENERATE)
-def test_no_light_is_lost_in_a_degenerate_meridian(name, request):
-    if name == "a needle":
-        request.applymarker(LEAKS_FROM_SLENDER_CONES)
+def test_no_light_is_lost_in_a_degenerate_meridian(name):
     scene = furnace((Body("body", Revolved(DEGENERATE[name])),), (Medium("body", SODA_LIME),))
     seen = native.radiance(scene, *tracer_scenes.rays_through(scene, 3000, seed=36))
     assert seen.leaks.sum() == 0
     np.testing.assert_allclose(1.0 - seen.radiance, np.repeat(seen.bound[:, None], 3, axis=1), atol=1e-11)
 
 
-@pytest.mark.parametrize("name", sorted(DEGENERATE.keys() - {"repeated control points"}))
-def test_lines_through_joints_leave_a_degenerate_meridian_as_often_as_they_enter(tracer, name, request):
-    if tracer == "native":
-        request.applymarker(MISSES_THE_SECOND)
+@pytest.mark.parametrize("name", DEGENERATE)
+def test_lines_through_joints_leave_a_degenerate_meridian_as_often_as_they_enter(tracer, name):
     body = Revolved(DEGENERATE[name])
     ends = body.meridian[:, [0, 3], :2].reshape(-1, 2)
     heights = np.unique(np.concatenate([ends[:, 1], np.nextafter(ends[:, 1], 1e3), 0.5 * (ends[:-1, 1] + ends[1:, 1])]))

@@ -106,7 +106,7 @@ def test_a_mold_without_a_finish(write):
 def test_metres_declared_as_millimetres(write):
     small = read_mold(MOLDS / "wine_bottle.step").solid.scaled(1e-3, FreeCAD.Vector())
     path = write(small)
-    assert "--scale 1000" in refusal(path)
+    assert "scale_to_mm=1000" in refusal(path)
     assert read_mold(path, scale_to_mm=1000).anatomy.height_mm == pytest.approx(300, rel=1e-3)
 
 

@@ -121,6 +121,8 @@ def test_a_fill_is_read_as_it_is_written():
     [
         ("wter", "did you mean 'water'"),
         ("wter:3", "did you mean 'water'"),
+        ("water:x", "expected a height in mm, as water:180, got 'x'"),
+        ("water:", "expected a height in mm"),
         ("water:0", "above 0"),
         ("water:-3", "above 0"),
         ("water:nan", "finite"),

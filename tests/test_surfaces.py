@@ -68,13 +68,8 @@ def assert_hits_lie_on_the_faces(shape, surface, rays, sampled):
     assert max(distances) < 1e-6
 
 
-GRAZES_A_CREASE = pytest.mark.xfail(
-    reason="2 of 52,000 crossings leak: a ray that cuts off less of a crease than its parabolas are off (issue 4)"
-)
-
-
 @needs_native
-@pytest.mark.parametrize("name", ["seamed", "bored", "cone", pytest.param("lofted", marks=GRAZES_A_CREASE)])
+@pytest.mark.parametrize("name", SHAPES)
 def test_hits_lie_on_the_faces_of_the_cad_program(name):
     shape = SHAPES[name]()
     surface = exact_surface(shape)

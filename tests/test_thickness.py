@@ -10,6 +10,7 @@ from scipy.interpolate import PchipInterpolator
 from glassworkbench.errors import InputError
 from glassworkbench.wall.asking.interpolation import PeriodicGrid, monotone_cubic
 from glassworkbench.wall.asking.notation import INTERPOLATIONS
+from glassworkbench.wall.asking.shortened import shortened
 from glassworkbench.wall.asking.thickness import (
     REGIONS,
     BoredThickness,
@@ -321,7 +322,77 @@ def test_an_impossible_table_is_refused_and_named(tmp_path, content, word):
     path.write_text(content)
     with pytest.raises(InputError, match=word) as caught:
         parse_thickness(f"@{path}")
-    assert "wall.csv" in str(caught.value)
+    assert str(caught.value).startswith(f"{path}")
+
+
+@pytest.mark.parametrize(
+    ("content", "line", "word"),
+    [
+        ("height_mm,thickness_mm\n\n0,5\n100,NaN\n300,2\n", 4, "finite"),
+        ("height_mm,thickness_mm\n0,5\n200,3\n100,2\n", 4, "height 100 mm follows 200 mm; sort"),
+        ("height_mm,thickness_mm\n0,5\n0,3\n", 3, "given twice"),
+        ("height_mm,thickness_mm\n0,5\n200,-1\n300,2\n", 3, "above 0"),
+        ("height_mm,angle_deg,thickness_mm\n0,0,5\n0,400,4\n300,0,3\n300,400,3\n", 3, "angle 400 deg is not within"),
+        ("height_mm,angle_deg,thickness_mm\n0,0,5\n0,360,4\n300,0,3\n300,360,3\n", 3, "the same angle"),
+        ("height_mm,angle_deg,thickness_mm\n0,0,5\n0,90,4\n300,0,3\n", 4, "lacks angle 90 deg"),
+        ("height_mm,angle_deg,thickness_mm\n0,0,5\n0,90,4\n0,90,4\n300,0,3\n300,90,3\n", 4, "given twice"),
+        ("height_mm,angle_deg,thickness_mm\n0,0,nan\n", 2, "thickness_mm: every number must be finite"),
+        ("height_mm,thickness\n0,5\n", 1, "no column thickness_mm"),
+    ],
+)
+def test_what_is_wrong_with_a_table_is_told_with_file_and_line(tmp_path, content, line, word):
+    path = tmp_path / "wall.csv"
+    path.write_text(content)
+    with pytest.raises(InputError) as caught:
+        parse_thickness(f"@{path}")
+    assert str(caught.value).startswith(f"{path}, line {line}")
+    assert word in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        "height_mm,thickness_mm\n0,5\n250,2\n",
+        "height_mm,angle_deg,thickness_mm\n0,0,5\n0,90,2\n250,0,5\n250,90,3\n",
+    ],
+)
+def test_a_table_that_is_too_short_for_the_mold_is_told_with_its_file(tmp_path, content):
+    path = tmp_path / "short.csv"
+    path.write_text(content)
+    with pytest.raises(InputError, match="covers heights 0 to 250 mm") as caught:
+        parse_thickness(f"@{path}").on(SimpleNamespace(anatomy=BOTTLE))
+    assert str(caught.value).startswith(f"{path}: ")
+
+
+def test_a_table_is_the_same_whatever_file_it_is_from(tmp_path):
+    path = tmp_path / "wall.csv"
+    path.write_text("height_mm,thickness_mm\n0,5\n300,2\n")
+    wall = parse_thickness(f"@{path}")
+    assert parse_thickness(str(wall)) == wall
+    assert shortened(wall) == "@wall.csv"
+    assert shortened(parse_thickness(f"@{path} linear bore=18")) == "@wall.csv linear bore=18"
+
+
+def test_a_long_wall_is_shortened_between_its_ends():
+    long = " ".join(f"{height}:{2 + height / 1000}" for height in range(0, 301, 10))
+    assert shortened(parse_thickness(long)) == "0:2 10:2.01 20:2.02 … 300:2.3"
+    assert shortened(parse_thickness(f"{long} linear bore=18")) == "0:2 10:2.01 20:2.02 … 300:2.3 linear bore=18"
+    named = "finish=2.5 neck=3 shoulder=2.2 body=2 heel=4 base=5"
+    assert shortened(parse_thickness(named)) == named
+
+
+def test_a_region_that_is_not_known_is_told_with_those_of_the_mold_from_top_to_bottom():
+    with pytest.raises(InputError, match="there is finish, neck, shoulder, body, stem, heel, base; faces are Face1"):
+        parse_thickness("handle=3")
+    with pytest.raises(InputError, match="there is body, base; faces are Face1"):
+        parse_thickness("handle=3", ("body", "base"))
+    with pytest.raises(InputError, match="did you mean 'Face12'"):
+        parse_thickness("Fac12=3 else=2")
+
+
+def test_a_face_below_the_first_is_told_before_what_else_is_missing():
+    with pytest.raises(InputError, match="Face0: faces are counted from 1"):
+        parse_thickness("Face0=3")
 
 
 def test_a_file_that_is_no_text_is_refused(tmp_path):
@@ -341,7 +412,7 @@ def test_regions_must_be_some_that_the_mold_has(text):
     tumbler = SimpleNamespace(
         finish_height_mm=100.0, stem_top_mm=0.0, regions={"base": (0.0, 5.0), "body": (5.0, 100.0)}
     )
-    with pytest.raises(InputError, match="it has base, body"):
+    with pytest.raises(InputError, match="it has body, base"):
         parse_thickness(text).over_height(tumbler)
 
 
@@ -354,7 +425,7 @@ def test_what_a_stem_is_given_does_not_reach_into_the_bowl():
     wall = parse_thickness("base=9 stem=8 body=2 finish=1").over_height(glass)
     assert wall.at(90.0) == 2.0
     assert wall.maximum_mm == 2.0
-    with pytest.raises(InputError, match="stay solid; give the thickness of body, finish"):
+    with pytest.raises(InputError, match="stay solid; give the thickness of finish, body"):
         parse_thickness("stem=8").over_height(glass)
 
 

@@ -1,6 +1,7 @@
 """The map of the wall: its values against known walls, and its picture."""
 
 import builtins
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,11 +9,14 @@ import pytest
 from glassworkbench.cli import main
 from glassworkbench.errors import InputError
 from glassworkbench.freecad import FreeCAD, Part
-from glassworkbench.mold import mold_from_shape
+from glassworkbench.mold import mold_from_shape, read_mold
 from glassworkbench.mold.tessellation import tessellate
+from glassworkbench.wall import hollow
 from glassworkbench.wall.measuring.map_picture import save_picture
 from glassworkbench.wall.measuring.outside import outside
 from glassworkbench.wall.measuring.wall_map import wall_map
+
+ROOT = Path(__file__).resolve().parent.parent
 
 
 @pytest.fixture(scope="module")
@@ -49,6 +53,18 @@ def test_over_height_it_reaches_from_the_thinnest_to_the_thickest_wall(beside):
     assert low == pytest.approx(2.5, abs=0.05)
     # The floor is 4 mm thick, and the heel's corner 5 mm away from the inside.
     assert 4.0 <= high < 5.0
+
+
+@pytest.mark.parametrize("wall", ["3", "3 bore=18.5", "@examples/walls/wine_bottle_over_height.csv"])
+def test_around_a_round_container_the_profile_is_one_line_up_to_the_finish(wall, monkeypatch):
+    monkeypatch.chdir(ROOT)
+    profile = hollow(read_mold("examples/molds/wine_bottle.step"), wall).map().over_height
+    above_push_up = profile.heights_mm > 30.0
+    assert profile.heights_mm[-1] > 290.0
+    assert np.ptp(profile.got_mm[above_push_up], axis=1).max() < 0.02
+    assert np.ptp(profile.asked_mm[above_push_up], axis=1).max() < 0.04
+    neck = profile.got_mm[profile.heights_mm > 200.0, 0]
+    assert np.diff(neck).min() > -0.02
 
 
 def test_the_picture_is_written_and_shows_more_than_paper(beside, tmp_path):

@@ -77,7 +77,7 @@ def main_job(tmp_path_factory):
 def test_the_workbench_shows_with_icon_menu_and_toolbar(main_job):
     assert main_job["workbench_icon"]
     assert "&Glass" in main_job["menu"]
-    assert list(main_job["toolbar"]) == ["Make container…", "Edit container…", "Glass…", "Render…"]
+    assert list(main_job["toolbar"]) == ["Make container…", "Edit container…", "Glass…", "Show wall", "Render…"]
     assert all(main_job["toolbar"].values()), "a command has no icon"
 
 
@@ -126,6 +126,21 @@ def test_the_3d_view_shows_the_wall_in_colours(main_job):
     # Most of a wall of 3 mm everywhere has the colour of the middle of the scale, a bluish green.
     red, green, blue = np.moveaxis(picture[..., :3], -1, 0)
     assert np.mean((green > 1.5 * red) & (blue > 1.5 * red) & (green > 60)) > 0.1
+    assert main_job["display_mode_of_wall"] == "Wall"
+    assert main_job["display_mode_after_wall"] == "Flat Lines"
+
+
+def test_a_legend_stands_beside_the_wall_and_goes_with_it(main_job):
+    with_wall, without = (pixels_of(main_job["folder"] / f"{name}.png").astype(int) for name in ("wall", "no_wall"))
+    # The bar's lower end is violet, its upper one yellow; both stand in the leftmost tenth of the view.
+    left = with_wall[:, :60]
+    red, green, blue = np.moveaxis(left, -1, 0)
+    violet, yellow = (blue > 60) & (green < 30) & (red > 50), (red > 200) & (green > 190) & (blue < 90)
+    assert violet.any()
+    assert yellow.any()
+    assert np.flatnonzero(yellow.any(axis=1)).max() < np.flatnonzero(violet.any(axis=1)).min()
+    red, green, blue = np.moveaxis(without[:, :60], -1, 0)
+    assert not ((red > 200) & (green > 190) & (blue < 90)).any()
 
 
 def test_freecad_stays_usable_while_a_picture_gets_better(main_job):

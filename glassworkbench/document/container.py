@@ -24,6 +24,9 @@ MOLD_KINDS = {
 }
 """What a source may be: full inside; hollow already, so that its outside is the mold; the solids of a mold block."""
 
+OPTIONS = {"outer_shell=True": "Mold Kind: Hollow container", "block=True": "Mold Kind: Mold block"}
+"""What the mold's room calls by its name in Python, and how it is called here."""
+
 RESULT = READ_ONLY | OUTPUT
 PROPERTIES = (
     Property("App::PropertyLink", "Source", "Mold", "The solid whose outside is the container's outside"),
@@ -283,6 +286,9 @@ def _make(obj: Any) -> _Made:
     try:
         mold = mold_from_shape(shape, obj.Source.Label, **MOLD_KINDS[obj.MoldKind])
     except InputError as error:
-        raise InputError(f"{obj.Source.Label}: {error}") from error
+        told = str(error)
+        for option, words in OPTIONS.items():
+            told = told.replace(option, words)
+        raise InputError(f"{obj.Source.Label}: {told}") from error
     container = hollow(mold, wall, method=obj.Method, tolerance_mm=tolerance_mm or None, seconds=obj.TimeLimit)
     return _Made(shape, obj.MoldKind, wall, obj.Method, tolerance_mm, container)

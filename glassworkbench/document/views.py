@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from glassworkbench.document.appearance import colour, transparency_percent
+from glassworkbench.document.wall_legend import legend_node
 from glassworkbench.document.wall_view import wall_node
 from glassworkbench.errors import GlassWorkbenchError
 from glassworkbench.freecad import FreeCAD
@@ -45,6 +46,9 @@ class ContainerView(_View):
 
         super().attach(view)
         self._wall = coin.SoGroup()
+        self._place = 0
+        self._shows_wall = False
+        self._before_wall = "Flat Lines"
         view.addDisplayMode(self._wall, WALL)
 
     def getDisplayModes(self, view: Any) -> list[str]:  # noqa: N802 (FreeCAD's name)
@@ -53,13 +57,39 @@ class ContainerView(_View):
 
     def setDisplayMode(self, mode: str) -> str:  # noqa: N802 (FreeCAD's name)
         """Draw the wall when it is to be shown."""
+        self._shows_wall = mode == WALL and not self.Object.Document.Restoring
         if mode != WALL:
+            self._before_wall = mode
             return mode
-        if self.Object.Document.Restoring:
+        if not self._shows_wall:
             # The wall is not in the file, and nobody wants to wait for it while the document opens.
-            return "Flat Lines"
+            return self._before_wall
+        self._place = self._free_place()
         self._draw_wall()
         return mode
+
+    def toggle_wall(self) -> None:
+        """Show the wall, or what was shown before.
+
+        Raises
+        ------
+        GlassWorkbenchError
+            If the container has a fault, so that there is no wall to show.
+        """
+        view = self.Object.ViewObject
+        if self._shows_wall:
+            view.DisplayMode = self._before_wall
+            return
+        if self.Object.Fault:
+            raise GlassWorkbenchError(f"{self.Object.Label}: {self.Object.Fault}")
+        view.DisplayMode = WALL
+
+    def _free_place(self) -> int:
+        """Return the leftmost place for a legend that no other container's takes."""
+        proxies = [getattr(obj.ViewObject, "Proxy", None) for obj in self.Object.Document.Objects]
+        views = [proxy for proxy in proxies if isinstance(proxy, ContainerView) and proxy is not self]
+        taken = {view._place for view in views if view._shows_wall}
+        return next(place for place in range(len(taken) + 1) if place not in taken)
 
     def _draw_wall(self) -> None:
         self._wall.removeAllChildren()
@@ -72,10 +102,7 @@ class ContainerView(_View):
             return
         wall = container.map()
         self._wall.addChild(wall_node(wall, container.mold.placement))
-        low, high = wall.span_mm()
-        FreeCAD.Console.PrintMessage(
-            f"{self.Object.Label}: the wall is coloured from violet, {low:.2f} mm, to yellow, {high:.2f} mm\n"
-        )
+        self._wall.addChild(legend_node(*wall.span_mm(), self._place))
 
     def getIcon(self) -> str:  # noqa: N802 (FreeCAD's name)
         """Return the icon that says whether the shape is up to date."""
@@ -95,7 +122,7 @@ class ContainerView(_View):
             obj.ViewObject.Transparency = transparency_percent(glass)
         elif name == "Fault":
             obj.ViewObject.signalChangeIcon()
-        elif name == "MinimumWallAt" and obj.ViewObject.DisplayMode == WALL:
+        elif name == "MinimumWallAt" and self._shows_wall:
             self._draw_wall()
 
     def doubleClicked(self, view: Any) -> bool:  # noqa: N802 (FreeCAD's name)

@@ -27,6 +27,7 @@ def register() -> list[str]:
         "Glass_MakeContainer": MakeContainer(),
         "Glass_EditContainer": EditContainer(),
         "Glass_SetGlass": SetGlass(),
+        "Glass_ShowWall": ShowWall(),
         "Glass_Render": Render(),
     }
     for name, command in commands.items():
@@ -150,6 +151,25 @@ class SetGlass(_Command):
     def run(self, obj: Any) -> None:
         """Open the panel."""
         FreeCADGui.Control.showDialog(GlassPanel(obj))
+
+
+class ShowWall(_Command):
+    """Colours a container by the thickness of its wall, or shows it as before."""
+
+    icon = "Glass_ShowWall.svg"
+    menu_text = QT_TRANSLATE_NOOP("Glass_ShowWall", "Show wall")
+    tool_tip = QT_TRANSLATE_NOOP(
+        "Glass_ShowWall", "Colour the selected container by the thickness of its wall, or show it as before"
+    )
+
+    def accepts(self, obj: Any) -> bool:
+        """Return whether the object is a container."""
+        return is_container(obj)
+
+    def run(self, obj: Any) -> None:
+        """Switch the display mode."""
+        with busy(translate("Glass_ShowWall", "Measuring the wall…")):
+            obj.ViewObject.Proxy.toggle_wall()
 
 
 class Render(_Command):

@@ -82,7 +82,7 @@ def find_standing(
             return mouth_end(ends, areas, vertices_mm, triangles)
     raise InputError(
         "finish: no flat face closes the shape at the end of its axis, so the mouth cannot be found; "
-        "cut the shape flat where the mouth is, or name the finish's height (--finish-height, finish_height_mm=)"
+        "cut the shape flat where the mouth is, or name the finish's height (finish_height_mm)"
     )
 
 

@@ -43,7 +43,8 @@ def _doubtful_unit(shape: Part.Shape, unit: str | None) -> list[str]:
     if USUAL_MM[0] < size < USUAL_MM[1]:
         return []
     declared = "" if unit is None else f", read as {unit}"
-    return [f"it is about {size:.2g} mm large{declared}, unusual for a container; if that is wrong, give --scale"]
+    remedy = "if that is wrong, give the scale to mm (scale_to_mm)"
+    return [f"it is about {size:.2g} mm large{declared}, unusual for a container; {remedy}"]
 
 
 def _invalid(shape: Part.Shape) -> list[str]:

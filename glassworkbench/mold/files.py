@@ -49,7 +49,7 @@ def read_mold(
     options = {"axis": axis, "up": up, "outer_shell": outer_shell, "close_open_shell": close_open_shell}
     if path.suffix.lower() in MESH_ENDINGS:
         if finish_height_mm is not None or block:
-            option = "block=True (--block)" if block else "finish_height_mm (--finish-height)"
+            option = "block=True" if block else "finish_height_mm"
             raise InputError(f"{path}: {option} is for CAD solids, and this is a mesh; cut it flat where it comes from")
         vertices, triangles = read_mesh_mm(path, scale_to_mm)
         make = functools.partial(mold_from_mesh, vertices, triangles, path.stem, **options)

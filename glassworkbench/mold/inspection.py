@@ -39,6 +39,7 @@ UNKNOWN = (
     "departure_mm",
     "departure_at",
     "revolved",
+    "nearly_round",
     "regions",
 )
 """What is null in the answer where it cannot be found."""
@@ -95,7 +96,8 @@ def inspect(
     try:
         if looks_like_block(shape) and not block:
             raise InputError(
-                f"it holds {len(shape.Solids)} solids that look like a mold block; use --block (block=True)"
+                f"it holds {len(shape.Solids)} solids that look like a mold block; "
+                "take the void in them as the mold (block=True)"
             )
         if block or finish_height_mm is not None:
             options = {"block": block, "close_open_shell": close_open_shell, "finish_height_mm": finish_height_mm}
@@ -138,7 +140,7 @@ def _inspect_mesh(path: Path, scale_to_mm: float | None, outer_shell: bool, clos
 
 def _with_mold(found: dict, mold: Mold) -> dict:
     told = {"faults": [*found["faults"], *mold.repairs]}
-    return found | {"mesh_volume_mm3": _volume_mm3(mold)} | _full_mold(mold.anatomy) | told
+    return found | {"mesh_volume_mm3": _volume_mm3(mold)} | _full_mold(mold) | told
 
 
 def _volume_mm3(mold: Mold) -> float:
@@ -147,7 +149,8 @@ def _volume_mm3(mold: Mold) -> float:
     return signed_volume(*mesh_of(mold.upright))
 
 
-def _full_mold(anatomy: Anatomy) -> dict:
+def _full_mold(mold: Mold) -> dict:
+    anatomy = mold.anatomy
     return {
         "axis": anatomy.axis.tolist(),
         "base_point_mm": anatomy.base_point_mm.tolist(),
@@ -159,6 +162,7 @@ def _full_mold(anatomy: Anatomy) -> dict:
         "departure_mm": anatomy.departure_mm,
         "departure_at": {"height_mm": float(anatomy.departure_at_mm[2]), "angle_deg": _angle_deg(anatomy)},
         "revolved": anatomy.is_revolved,
+        "nearly_round": mold.is_nearly_round,
         "regions": {region: list(heights) for region, heights in anatomy.regions.items()},
     }
 
@@ -166,7 +170,8 @@ def _full_mold(anatomy: Anatomy) -> dict:
 def _angle_deg(anatomy: Anatomy) -> float:
     """Return the angle about the axis, from the upright container's x axis, at which it departs the most."""
     x, y, _ = anatomy.departure_at_mm
-    return float(np.degrees(np.arctan2(y, x)) % 360.0)
+    # Rounded first: the remainder of what is just below 0 would be 360.
+    return float(np.round(np.degrees(np.arctan2(y, x)), 6) % 360.0)
 
 
 def _hollow_container(solid: Part.Shape, standing: Standing, vertices_mm: np.ndarray, told: list[str]) -> dict:
@@ -175,7 +180,7 @@ def _hollow_container(solid: Part.Shape, standing: Standing, vertices_mm: np.nda
         mold = mold_from_shape(solid, "", outer_shell=True)
     except InputError as error:
         return _heights(standing, vertices_mm) | rim | {"faults": [*told, str(error)]}
-    return _full_mold(mold.anatomy) | rim | {"faults": [*told, *mold.repairs]}
+    return _full_mold(mold) | rim | {"faults": [*told, *mold.repairs]}
 
 
 def _heights(standing: Standing, vertices_mm: np.ndarray) -> dict:

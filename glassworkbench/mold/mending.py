@@ -197,7 +197,7 @@ def _filled(
         edge = vertices_mm[loop] - vertices_mm[loop].mean(axis=0)
         flat = np.linalg.svd(edge, compute_uv=False)[2] < FLAT_HOLE_SHARE * width * np.sqrt(len(loop))
         if width > SMALL_HOLE_SHARE * size and not (close_open_shell and flat):
-            remedy = "have its flat holes closed (--close, close_open_shell=True)" if flat else "close it"
+            remedy = "have its flat holes closed (close_open_shell=True)" if flat else "close it"
             raise InputError(f"it has a hole {width:.3g} mm wide {place}; {remedy}, or export it as a closed surface")
         vertices_mm, lid = fan(vertices_mm, loop)
         triangles = np.concatenate([triangles, lid])

@@ -84,8 +84,7 @@ def mold_from_mesh(
     if is_hollow(standing, vertices, triangles):
         if not outer_shell:
             raise InputError(
-                "it is already hollow; "
-                "take its outside as the mold (--outer-shell, outer_shell=True) to hollow that anew"
+                "it is already hollow; take its outside as the mold (outer_shell=True) to hollow that anew"
             )
         if rim is None:
             raise InputError("its rim is not flat, so nothing parts outside from inside; give the mold's mesh instead")

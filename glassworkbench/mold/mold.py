@@ -125,8 +125,8 @@ def mold_from_shape(
     if is_hollow(standing, vertices, triangles):
         if not outer_shell:
             raise InputError(
-                "it is already hollow; leave the wall (--wall) away to render it as it is, "
-                "or take its outside as the mold (--outer-shell, outer_shell=True) to hollow that anew"
+                "it is already hollow; leave the wall away to render it as it is, "
+                "or take its outside as the mold (outer_shell=True) to hollow that anew"
             )
         solid, told = _outer_solid(solid, standing, vertices)
         repairs += told
@@ -170,8 +170,7 @@ def _cut_at_finish(
     cut = upright.common(below)
     if not cut.Solids or finish_height_mm >= from_axis:
         raise InputError(
-            "the finish's height (--finish-height, finish_height_mm=) "
-            f"of {finish_height_mm:g} mm is not within the shape"
+            f"finish_height_mm: {finish_height_mm:g} mm is not within the shape; give a height above its lowest point"
         )
     return moved(single_solid(cut), placement), direction
 
@@ -182,12 +181,12 @@ def check_size(size_mm: float) -> None:
     if size_mm < SMALLEST_MM:
         raise InputError(
             f"it is only {size_mm:.2g} mm large, so its lengths are probably metres; "
-            "give the scale to mm (--scale 1000, scale_to_mm=1000)"
+            "give the scale to mm (scale_to_mm=1000)"
         )
     if size_mm > LARGEST_MM:
         raise InputError(
             f"it is {size_mm:.2g} mm large, too much for a container; "
-            "give the scale to mm (--scale 0.001, scale_to_mm=0.001, if it is a thousand times too large)"
+            "give the scale to mm (scale_to_mm=0.001, if it is a thousand times too large)"
         )
 
 
@@ -204,7 +203,7 @@ def single_solid(shape: Part.Shape) -> Part.Shape:
     if len(shape.Solids) > 1:
         raise InputError(
             f"it holds {len(shape.Solids)} solids, but a mold is one; join them, or export only the container's, "
-            "or take the void in them where they are a mold block (--block, block=True)"
+            "or take the void in them where they are a mold block (block=True)"
         )
     if not shape.Solids:
         # IGES knows no solids: its faces come loose, and are one when sewn.
@@ -214,14 +213,14 @@ def single_solid(shape: Part.Shape) -> Part.Shape:
             kind = "an open shell" if shape.Shells else "loose faces"
             raise InputError(
                 f"it holds no solid, only {kind}; close the surface and export it as a solid, "
-                "or have its flat holes closed (--close, close_open_shell=True)"
+                "or have its flat holes closed (close_open_shell=True)"
             )
         return Part.makeSolid(sewn)
     solid = shape.Solids[0]
     if not all(shell.isClosed() for shell in solid.Shells):
         raise InputError(
             "its solid is not closed (a shell has free edges); repair it in the CAD program, "
-            "or have its flat holes closed (--close, close_open_shell=True)"
+            "or have its flat holes closed (close_open_shell=True)"
         )
     return solid
 

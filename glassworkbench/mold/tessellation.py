@@ -125,8 +125,10 @@ def _normals(face: Part.Face, points: np.ndarray, corners: np.ndarray) -> np.nda
         np.add.at(averaged, corners[:, k], facets)
     averaged /= np.maximum(np.linalg.norm(averaged, axis=1, keepdims=True), 1e-300)
 
-    parameters = _parameters(face, points)
-    normals = np.array([_normal(face, uv) for uv in parameters])
+    if face.Surface.TypeId == "Part::GeomPlane":
+        normals = np.tile(_normal(face, (0.0, 0.0)), (len(points), 1))
+    else:
+        normals = np.array([_normal(face, uv) for uv in _parameters(face, points)])
     if np.einsum("ij,ij->", normals, averaged) < 0.0:
         normals = -normals
     # A surface has no normal, or a meaningless one, where it is degenerate (a cone's tip): the triangles' has to do.

@@ -18,7 +18,7 @@ from numpy.ctypeslib import ndpointer
 from glassworkbench.errors import GlassWorkbenchError, InputError
 from glassworkbench.spatial.bulge import SIDES, sags
 
-LIBRARY_FOLDER = Path(__file__).with_name("native") / "lib"
+LIBRARY_FOLDER = Path(os.environ.get("GLASSWORKBENCH_LIBRARIES", Path(__file__).with_name("native") / "lib"))
 INTERFACE_VERSION = 1
 
 BLOCK = 32

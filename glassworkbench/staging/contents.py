@@ -48,8 +48,12 @@ def parse_fill(text: str) -> Fill:
     liquid, colon, level = text.rpartition(":")
     try:
         level_mm = float(level.removesuffix("mm"))
-    except ValueError:
-        return Fill(find_filling(text))
+    except ValueError as error:
+        # A colon may also part off the name of a filling in a file, or the letter of a drive.
+        if not colon or liquid.endswith(".toml") or level.endswith(".toml"):
+            return Fill(find_filling(text))
+        name = find_filling(liquid).name
+        raise InputError(f"fill level: expected a height in mm, as {name}:180, got {level!r}") from error
     return Fill(find_filling(liquid), level_mm) if colon else Fill(find_filling(text))
 
 

@@ -20,7 +20,9 @@ from glassworkbench.tracer.curved_triangles import CurvedTriangles
 from glassworkbench.tracer.film import Film
 from glassworkbench.tracer.result import Crossing, Radiance
 
-LIBRARY_FOLDER = Path(__file__).with_name("native") / "lib"
+LIBRARY_FOLDER = Path(os.environ.get("GLASSWORKBENCH_LIBRARIES", Path(__file__).with_name("native") / "lib"))
+"""Another folder holds other builds, such as those of 'make sanitize'."""
+
 INTERFACE_VERSION = 2
 BUILDS_BY_VECTOR_WIDTH = {2: ("baseline",), 4: ("v3", "baseline"), 8: ("v4", "v3", "baseline")}
 

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import combinations_with_replacement, pairwise
 
 import numpy as np
 from numpy.polynomial.polynomial import polyder, polymul, polyroots, polysub, polytrim
@@ -31,7 +31,7 @@ PIECES_A_SEGMENT = 4
 SMALLEST_PART = 1e-13
 """Parts of a piece shorter than this in u are decided by the signs at their ends."""
 
-BLUR = 1e-3
+BLUR = 4e-3
 """Changes of g below this share of a piece's slack, some units in the last place, say nothing."""
 
 ROOT_TOLERANCE = 1e-13
@@ -103,6 +103,7 @@ class _Pieces:
         self.powers = np.array([_power_coefficients(part) for part in controls]).transpose(1, 2, 0).copy()
         self.node_r, self.node_z = np.array(nodes).T.copy()
         self.third_r, self.third_z = _third_derivative_bounds(np.array(controls))
+        self.least_weight = np.array(controls)[:, :, 2].min(axis=1)
         self.slack = 1e-12 * np.abs(nodes).max()
 
     def values(self, piece: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -322,8 +323,10 @@ def _isolate(lines: _Lines, pieces: _Pieces) -> _Brackets:
         g_low, g_high = steepness * r_low - h_low, steepness * r_high - h_high
         most = half * np.abs(g_slope).max(axis=0)
         far = ~changes & (np.abs(g_low + g_high) > 2.0 * most + pieces.slack)
-        # A line within a flat face sees only rounding errors along it.
-        blurred = (most <= BLUR * pieces.slack) | (half <= SMALLEST_PART)
+        # A line within a flat face, or along a cone, sees only rounding errors along it.
+        bend = range_h_bend.max(axis=0) * (z_high - z_low) ** 2 / 8.0
+        largest = _largest(pieces, parts, steepness, (z_low, z_high), (h_low, h_high)) + bend
+        blurred = (np.minimum(most, largest) <= BLUR * pieces.slack) | (half <= SMALLEST_PART)
         settled = monotone | convex | concave | far | blurred
         found.append(parts.take(settled & changes))
 
@@ -341,6 +344,25 @@ def _isolate(lines: _Lines, pieces: _Pieces) -> _Brackets:
     pairs = sign != parts.sign_low
     parts = parts.take(pairs).split(extremum[pairs], sign[pairs]).with_(*found)
     return _Brackets(parts.line, parts.piece, parts.low, parts.high, parts.sign_high, parts.above)
+
+
+def _largest(
+    pieces: _Pieces,
+    parts: _Parts,
+    steepness: np.ndarray,
+    z: tuple[np.ndarray, np.ndarray],
+    h: tuple[np.ndarray, np.ndarray],
+) -> np.ndarray:
+    """Return a bound of |g| on parts, by their control points, with the chord between its ends (z, h) for H."""
+    rise = z[1] - z[0]
+    slope = np.where(rise == 0.0, 0.0, (h[1] - h[0]) / np.where(rise == 0.0, 1.0, rise))
+    x, y, weight = pieces.powers[:, :, parts.piece].swapaxes(0, 1)
+    a0, a1, a2, a3 = steepness * x - slope * y - (h[0] - slope * z[0]) * weight
+    control = [
+        a0 + a1 * (p + q + r) / 3.0 + a2 * (p * q + q * r + r * p) / 3.0 + a3 * p * q * r
+        for p, q, r in combinations_with_replacement((parts.low, parts.high), 3)
+    ]
+    return np.abs(control).max(axis=0) / pieces.least_weight[parts.piece]
 
 
 def _candidates(lines: _Lines, pieces: _Pieces) -> _Parts:

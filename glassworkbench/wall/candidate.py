@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
+from glassworkbench.errors import GlassWorkbenchError
 from glassworkbench.freecad import Part
+from glassworkbench.mold import Mold
 from glassworkbench.scene import Mesh, Surface
+from glassworkbench.wall.asking.asked import AskedThickness
+from glassworkbench.wall.measuring.outside import Outside
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,6 +31,8 @@ class Candidate:
         Sentences that the user should read, like where the wall cannot be as thick as asked.
     meridian : array (n, 4, 3) or None
         The turned inside as a rational cubic Bezier chain, closed at the finish plane, for exact volumes.
+    details : tuple of str
+        What the method tried on the way, and how that ended, one line each.
     """
 
     solid: Part.Shape | None
@@ -33,3 +40,36 @@ class Candidate:
     inside: Mesh
     notes: tuple[str, ...] = ()
     meridian: np.ndarray | None = None
+    details: tuple[str, ...] = ()
+
+
+class Method(Protocol):
+    """A method of hollowing, as each file of `methods` has one; what is special to it stands there."""
+
+    def __call__(self, mold: Mold, asked: AskedThickness, wall: Outside, seconds: float) -> Candidate:
+        """Return a container, not measured yet.
+
+        Parameters
+        ----------
+        mold : Mold
+        asked : AskedThickness
+        wall : Outside
+            The mold's outside with the thickness asked.
+        seconds : float
+            What the method may take. The quick ones do not look at it.
+
+        Raises
+        ------
+        InputError
+            If the wall cannot be: the message says where, and how much is possible.
+        GlassWorkbenchError
+            If the method cannot make it, which another may.
+        """
+
+
+class NoCandidateError(GlassWorkbenchError):
+    """A method that tries several ways came to the end of them; `details` tells how each fared, one line each."""
+
+    def __init__(self, message: str, details: tuple[str, ...] = ()) -> None:
+        super().__init__(message)
+        self.details = details

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,11 +14,17 @@ from glassworkbench.mold.mold import moved
 from glassworkbench.scene.validate import positive
 from glassworkbench.settings import unknown_name
 from glassworkbench.wall.asking.asked import AskedThickness
-from glassworkbench.wall.asking.thickness import Thickness, UniformThickness
+from glassworkbench.wall.asking.shortened import shortened
+from glassworkbench.wall.asking.thickness import REGIONS, Thickness, UniformThickness
 from glassworkbench.wall.asking.thickness_text import parse_thickness
 from glassworkbench.wall.attempt import MAKERS, Attempted, attempt
+from glassworkbench.wall.candidate import NoCandidateError
 from glassworkbench.wall.container import Attempt, Container, WallReport
+from glassworkbench.wall.levels.narrow import no_room
 from glassworkbench.wall.measuring.contents import centre_of_gravity, weight_g
+from glassworkbench.wall.measuring.outside import outside
+from glassworkbench.wall.turning.inner_meridian import offset_meridian
+from glassworkbench.wall.turning.profile import wall_meridian
 from glassworkbench.wall.worker import run_in_worker
 
 METHODS = ("auto", *MAKERS)
@@ -37,8 +44,10 @@ class Rung:
 ROUND = (Rung("revolved", 0.4), Rung("lofted", 0.5), Rung("thick_solid", 0.4), Rung("inner_mesh", 1.0))
 UNIFORM = (Rung("thick_solid", 0.15), Rung("lofted", 0.5), Rung("inner_mesh", 1.0))
 VARYING = (Rung("lofted", 0.5), Rung("inner_mesh", 1.0))
+STEPPED = (Rung("thick_solid", 0.3), *VARYING)
 MESHED = (Rung("lofted", 0.4), Rung("inner_mesh", 1.0))
-"""The ladders: for (nearly) round molds, for others with a wall that is the same everywhere or not, for meshes."""
+"""The ladders: for (nearly) round molds, for others with a wall that is the same everywhere, varies, or steps from face
+to face across sharp edges, for meshes."""
 
 
 class HollowingError(GlassWorkbenchError):
@@ -83,7 +92,7 @@ def hollow(
         If no method's result is good enough; the message says what was tried.
     """
     start = time.monotonic()
-    thickness = as_thickness(thickness)
+    thickness = as_thickness(thickness, tuple(reversed(mold.anatomy.regions)))
     if method not in METHODS:
         raise unknown_name("method", method, METHODS)
     asked = thickness.on(mold)
@@ -100,17 +109,19 @@ def hollow(
     for rung in ladder(mold, asked) if method == "auto" else (Rung(method, 1.0),):
         begin = time.monotonic()
         share = rung.share * (limit - (begin - start))
-        attempted = None
+        attempted, details = None, ()
         try:
             attempted = run_in_worker(attempt, (mold, thickness, rung.method, tolerance, share), {}, share)
             outcome, why = ("rejected", attempted.fault) if attempted.fault else ("accepted", "")
+            details = attempted.candidate.details
             rejected.append((rung.method, attempted))
         except InputError as error:
             outcome, why = "impossible", str(error)
             impossible.append(error)
         except GlassWorkbenchError as error:
             outcome, why = "failed", str(error)
-        attempts.append(Attempt(rung.method, outcome, why, time.monotonic() - begin))
+            details = error.details if isinstance(error, NoCandidateError) else ()
+        attempts.append(Attempt(rung.method, outcome, why, time.monotonic() - begin, details))
         if outcome == "accepted":
             return _container(mold, thickness, rung.method, attempted, attempts, tolerance, time.monotonic() - start)
         if outcome == "impossible" and rung.method == "revolved":
@@ -123,8 +134,8 @@ def hollow(
     story = "; ".join(f"{made.method}: {made.why.removeprefix(f'{made.method}: ')}" for made in attempts)
     raise HollowingError(
         tuple(attempts),
-        f"{mold.name}: no method gives a wall of {thickness} mm within {tolerance:.3g} mm ({story}); "
-        "ask for another wall, a larger tolerance or more time, or take the best there is (--best, accept_best=True)",
+        f"{mold.name}: no method gives a wall of {shortened(thickness)} mm within {tolerance:.3g} mm ({story}); "
+        "ask for another wall, a larger tolerance or more time, or take the best there is (accept_best=True)",
     )
 
 
@@ -135,32 +146,31 @@ def ladder(mold: Mold, asked: AskedThickness) -> tuple[Rung, ...]:
     round_outside = mold.anatomy.is_revolved or mold.is_nearly_round
     if round_outside and asked.over_height is not None:
         return ROUND
+    if asked.by_face is not None and not asked.by_face.blends:
+        return STEPPED
     uniform = asked.over_height is not None and asked.over_height.uniform_mm is not None
     return UNIFORM if uniform and mold.anatomy.stem_top_mm == 0.0 else VARYING
 
 
-def as_thickness(value: Thickness | str | float) -> Thickness:
-    """Return a thickness as data, whether it is given so, as text, or as a number of mm."""
+def as_thickness(value: Thickness | str | float, regions: Sequence[str] = REGIONS) -> Thickness:
+    """Return a thickness as data, whether it is given so, as text about the mold's regions, or as a number of mm."""
     if isinstance(value, str):
-        return parse_thickness(value)
+        return parse_thickness(value, regions)
     return UniformThickness(value) if isinstance(value, (int, float, np.floating)) else value
 
 
 def _check_fits(mold: Mold, asked: AskedThickness) -> None:
+    """Refuse a wall that no method needs to try, with the limit that the methods would find."""
     anatomy = mold.anatomy
-    room = 0.5 * min(anatomy.smallest_width_mm, anatomy.height_mm)
-    if asked.minimum_mm >= room:
-        raise InputError(
-            f"wall: {asked.minimum_mm:g} mm is thicker than {mold.name} allows; it must be below {room:.2f} mm"
-        )
-    if asked.over_height is None or asked.bore_radius_mm is not None:
+    closed = asked.minimum_mm >= 0.5 * min(anatomy.smallest_width_mm, anatomy.height_mm)
+    if asked.over_height is not None and asked.bore_radius_mm is None:
+        closed |= float(asked.over_height.at(anatomy.finish_height_mm)) >= anatomy.finish_outer_radius_mm
+    if not closed:
         return
-    at_finish = float(asked.over_height.at(anatomy.finish_height_mm))
-    if at_finish >= anatomy.finish_outer_radius_mm:
-        raise InputError(
-            f"wall: {at_finish:g} mm closes the mouth at height {anatomy.finish_height_mm:.1f} mm, where it must be "
-            f"below {anatomy.finish_outer_radius_mm:.2f} mm"
-        )
+    if mold.core is not None and asked.over_height is not None:
+        # The method for round molds measures along the axis, exactly.
+        offset_meridian(wall_meridian(mold.core, anatomy, asked.over_height), asked.over_height)
+    raise no_room(outside(mold, asked.at), asked.maximum_mm)
 
 
 def _container(

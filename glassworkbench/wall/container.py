@@ -9,11 +9,12 @@ from pathlib import Path
 import numpy as np
 
 from glassworkbench.errors import GlassWorkbenchError
-from glassworkbench.freecad import FreeCAD, Part
+from glassworkbench.freecad import Part
 from glassworkbench.mold import Mold, outer_meridian
-from glassworkbench.mold.tessellation import outside_mesh
+from glassworkbench.mold.tessellation import outside_mesh, tessellate
 from glassworkbench.output import check_writable, written_aside
 from glassworkbench.scene import ContainerGeometry, Mesh, Revolved, Surface
+from glassworkbench.wall.asking.shortened import shortened
 from glassworkbench.wall.asking.thickness import Thickness
 from glassworkbench.wall.glass_mesh import glass_mesh, write_stl
 from glassworkbench.wall.measuring.contents import LIQUID_G_PER_CM3, Cavity, FillPoint, centre_of_gravity
@@ -23,18 +24,34 @@ from glassworkbench.wall.measuring.outside import DEVIATION_MM, Outside, is_mout
 from glassworkbench.wall.measuring.volumes import Volume
 from glassworkbench.wall.measuring.wall_map import WallMap, wall_map
 from glassworkbench.wall.seen import seen_surface
+from glassworkbench.wall.solid_file import write_solid
 
 ENDINGS = (".step", ".stp", ".brep", ".fcstd", ".stl")
+
+STL_DEVIATION_MM = 0.02
+"""How far the triangles of an STL file may be off the solid."""
 
 
 @dataclass(frozen=True)
 class Attempt:
-    """How one method fared: accepted, rejected (measured, but not good enough), impossible (no such wall) or failed."""
+    """How one method fared.
+
+    Parameters
+    ----------
+    method : str
+    outcome : {"accepted", "rejected", "impossible", "failed"}
+        Rejected is what was measured, but not good enough; impossible, that there is no such wall.
+    why : str
+    seconds : float
+    details : tuple of str
+        Where a method has several ways, how each fared that it tried.
+    """
 
     method: str
     outcome: str
     why: str
     seconds: float
+    details: tuple[str, ...] = ()
 
     def to_json(self) -> dict[str, object]:
         """Return the attempt as it stands in a report."""
@@ -43,6 +60,7 @@ class Attempt:
             "outcome": self.outcome,
             "why": self.why,
             "seconds": round(self.seconds, 3),
+            "details": list(self.details),
         }
 
 
@@ -201,17 +219,18 @@ class Container:
         InputError
             If its ending is unknown, its folder cannot be written to, or matplotlib is missing.
         """
-        save_picture(self.map(), f"{self.mold.name}: wall {self.thickness} by {self.method}", path)
+        save_picture(self.map(), f"{self.mold.name}: wall {shortened(self.thickness)} by {self.method}", path)
 
     def save(self, path: str | Path) -> None:
-        """Write the solid as STEP, BREP, FCStd or STL, by the path's ending.
+        """Write the solid as STEP, BREP, FCStd or STL (triangles within `STL_DEVIATION_MM`), by the path's ending.
 
         Raises
         ------
         InputError
             If the ending is unknown or the folder cannot be written to.
         GlassWorkbenchError
-            If writing fails, or there are only meshes and the ending is not that of a mesh.
+            If writing fails, a CAD file does not hold the same solid when it is read again, or there are only meshes
+            and the ending is not that of a mesh.
         """
         path = check_writable(path, ENDINGS)
         if self.solid is None and path.suffix.lower() != ".stl":
@@ -222,8 +241,11 @@ class Container:
                     outer, faces = outside_mesh(self.mold, DEVIATION_MM)
                     glass = glass_mesh(outer, is_mouth(self.mold, faces), self.inside)
                     write_stl(glass, self.mold.placement, aside)
+                elif path.suffix.lower() == ".stl":
+                    # OCC's own writer chooses its triangles itself, millions of them, and writes them as text.
+                    write_stl(tessellate(self.solid, STL_DEVIATION_MM), np.eye(4), aside)
                 else:
-                    _write(self.solid, self.mold.name, aside)
+                    write_solid(self.solid, self.mold.name, aside)
             except Exception as error:
                 raise GlassWorkbenchError(f"{path}: could not be written ({error})") from error
 
@@ -247,22 +269,3 @@ def geometry_within(mold: Mold, cavity: Surface | Part.Shape) -> ContainerGeomet
     else:
         low, high = outer.box_mm
     return ContainerGeometry(outer, cavity, low, high, anatomy.finish_height_mm, notes)
-
-
-def _write(solid: Part.Shape, name: str, path: Path) -> None:
-    ending = path.suffix.lower()
-    if ending in (".step", ".stp"):
-        solid.exportStep(str(path))
-    elif ending == ".brep":
-        solid.exportBrep(str(path))
-    elif ending == ".stl":
-        solid.exportStl(str(path))
-    else:
-        document = FreeCAD.newDocument("Container", hidden=True, temp=True)
-        try:
-            document.addObject("Part::Feature", "Container").Shape = solid
-            document.Objects[0].Label = name
-            document.recompute()
-            document.saveCopy(str(path))
-        finally:
-            FreeCAD.closeDocument(document.Name)

@@ -54,9 +54,7 @@ def container_from_shape(shape: Part.Shape, name: str) -> ContainerGeometry:
     solid, vertices, triangles = outward(single_solid(shape))
     standing = find_standing(solid, vertices, triangles)
     if not is_hollow(standing, vertices, triangles):
-        raise InputError(
-            "it is a mold, full inside, and --wall is missing; say how thick the wall shall be, as --wall 3"
-        )
+        raise InputError("it is a mold, full inside; say how thick its wall shall be, as thickness=3")
     try:
         mold = mold_from_shape(solid, name, outer_shell=True)
         upright = moved(solid, np.linalg.inv(mold.placement))

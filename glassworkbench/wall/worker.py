@@ -62,7 +62,8 @@ def run_in_worker(
     InputError
         If the function raises one.
     GlassWorkbenchError
-        If the function fails, crashes, or does not finish in time; the message says which.
+        If the function fails, crashes, or does not finish in time; the message says which. Where the function raises
+        one of a kind of its own, it is of that kind.
     """
     with tempfile.TemporaryDirectory(prefix="glassworkbench-") as name:
         folder = Path(name)
@@ -179,8 +180,11 @@ def work(name: str) -> None:
         traceback.print_exc()
         # FreeCAD says of an allocation that failed in C++ only that an exception is unknown.
         starved = isinstance(error, MemoryError) or _peak_bytes() > STARVED_SHARE * job["memory_bytes"]
-        why = f"it {_too_much(job['memory_bytes'])}" if starved else str(error).strip() or type(error).__name__
-        result = pack((None, GlassWorkbenchError(why)))
+        if isinstance(error, GlassWorkbenchError) and not starved:
+            result = pack((None, error))
+        else:
+            why = f"it {_too_much(job['memory_bytes'])}" if starved else str(error).strip() or type(error).__name__
+            result = pack((None, GlassWorkbenchError(why)))
     aside = folder / f"{RESULT}.part"
     aside.write_bytes(result)
     aside.rename(folder / RESULT)

@@ -100,10 +100,18 @@ def main_job(facts):
     facts["transparency"] = container.ViewObject.Transparency
     facts["undo_after_glass"] = document.UndoNames
 
-    container.ViewObject.DisplayMode = "Wall"
+    select(container)
+    FreeCADGui.runCommand("Glass_ShowWall")
+    facts["display_mode_of_wall"] = container.ViewObject.DisplayMode
     FreeCADGui.activeDocument().activeView().fitAll()
-    FreeCADGui.activeDocument().activeView().saveImage(str(FOLDER / "wall.png"), 300, 400, "White")
-    container.ViewObject.DisplayMode = "Flat Lines"
+    FreeCADGui.Selection.clearSelection()
+    yield settled()
+    screenshot("wall_window")
+    FreeCADGui.activeDocument().activeView().saveImage(str(FOLDER / "wall.png"), 600, 800, "White")
+    select(container)
+    FreeCADGui.runCommand("Glass_ShowWall")
+    facts["display_mode_after_wall"] = container.ViewObject.DisplayMode
+    FreeCADGui.activeDocument().activeView().saveImage(str(FOLDER / "no_wall.png"), 600, 800, "White")
 
     select(container)
     FreeCADGui.runCommand("Glass_Render")

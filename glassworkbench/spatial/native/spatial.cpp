@@ -46,8 +46,9 @@ SPATIAL_API void spatial_tree_search(const Tree* tree, const double* points, std
     constexpr std::int64_t kBatch = 256;
     const auto work = [&]() {
         for (std::int64_t first = next.fetch_add(kBatch); first < count; first = next.fetch_add(kBatch)) {
+            spatial::Found found;
             for (std::int64_t n = first; n < std::min(first + kBatch, count); ++n) {
-                const spatial::Found found = tree->search(vector_at(points + 3 * n));
+                found = tree->search(vector_at(points + 3 * n), found.triangle);
                 clearance[n] = found.clearance;
                 distance[n] = found.distance;
                 for (int axis = 0; axis < 3; ++axis) feet[3 * n + axis] = found.foot[axis];

@@ -29,9 +29,11 @@ public:
         if (!triangles_.empty()) build(0, static_cast<std::int32_t>(triangles_.size()));
     }
 
-    Found search(const Vector& p) const {
+    // What decides about a point near by is a good guess: it rules out most boxes from the start.
+    Found search(const Vector& p, std::int32_t guess = 0) const {
         Found found;
         if (nodes_.empty()) return found;
+        improve(found, guess, p);
         struct Waiting {
             double bound;
             std::int32_t node;
@@ -57,7 +59,8 @@ public:
     }
 
 private:
-    static constexpr std::int32_t kLeaf = 4;
+    // A triangle costs more than several boxes.
+    static constexpr std::int32_t kLeaf = 1;
 
     struct Node {
         Vector low, high;

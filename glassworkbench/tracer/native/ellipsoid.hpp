@@ -20,6 +20,8 @@ public:
         bounds_.include(centre_ + reach);
     }
 
+    static constexpr double largest_slack() { return 0.0; }
+
     const Box& bounds() const { return bounds_; }
 
     // Calls visit(hit) for both crossings. The ray is shifted to its closest approach to the centre of the unit
@@ -45,8 +47,6 @@ public:
         point = centre_ + rotation_.to_world({semi_axes_.x * q.x, semi_axes_.y * q.y, semi_axes_.z * q.z});
         normal = normalised(rotation_.to_world({q.x / semi_axes_.x, q.y / semi_axes_.y, q.z / semi_axes_.z}));
     }
-
-    Vector facet_normal(const Hit&, const Vector& normal) const { return normal; }
 
 private:
     Vector to_sphere(const Vector& v) const {

@@ -1,4 +1,4 @@
-// A bounding volume hierarchy of eight children a node, over items that have boxes.
+// A bounding volume hierarchy of sixteen children a node, over items that have boxes.
 #pragma once
 
 #include <algorithm>
@@ -30,65 +30,88 @@ public:
     template <class Visit>
     void visit(const Ray& ray, double t_min, const double& t_best, Visit&& visit) const {
         const Slabs slabs(ray);
-        struct Entry {
-            double t;
-            std::int32_t child, count;
-        };
-        Entry stack[lane_count * 64];
-        int depth = 0;
-        stack[depth++] = {t_min, 0, 0};
+        const float from = below(t_min);
+        float to = above(t_best);
+        double known_best = t_best;
+        // What waits, the nearest last.
+        constexpr int room = 64 * width;
+        float waiting_t[room];
+        std::int32_t waiting[room], waiting_count[room];
+        waiting_t[0] = from;
+        waiting[0] = waiting_count[0] = 0;
+        int depth = 1;
         while (depth > 0) {
-            const Entry entry = stack[--depth];
-            if (entry.t > t_best) continue;
-            if (entry.count > 0) {
-                for (std::int32_t i = entry.child; i < entry.child + entry.count; ++i) visit(i);
+            --depth;
+            if (t_best != known_best) {
+                known_best = t_best;
+                to = above(t_best);
+            }
+            if (waiting_t[depth] > to) continue;
+            const std::int32_t first_item = waiting[depth], items = waiting_count[depth];
+            if (items > 0) {
+                for (std::int32_t i = first_item; i < first_item + items; ++i) visit(i);
                 continue;
             }
-            const Node& node = nodes_[entry.child];
+            const Node& node = nodes_[first_item];
             Lanes low, high;
-            slabs.overlap(node, t_min, t_best, low, high);
-            // Nearest last, so that it is taken first.
+            slabs.overlap(node, from, to, low, high);
             const int first = depth;
-            for (int k = 0; k < node.children; ++k) {
-                if (!(low[k] <= high[k])) continue;
+            for (unsigned reached = where_no_larger(low, high) & node.children; reached != 0; reached &= reached - 1) {
+                const int k = lowest_bit(reached);
+                const float t = low[k];
                 int place = depth++;
-                while (place > first && stack[place - 1].t < low[k]) {
-                    stack[place] = stack[place - 1];
-                    --place;
+                for (; place > first && waiting_t[place - 1] < t; --place) {
+                    waiting_t[place] = waiting_t[place - 1];
+                    waiting[place] = waiting[place - 1];
+                    waiting_count[place] = waiting_count[place - 1];
                 }
-                stack[place] = {low[k], node.child[k], node.count[k]};
+                waiting_t[place] = t;
+                waiting[place] = node.child[k];
+                waiting_count[place] = node.count[k];
             }
         }
     }
 
 private:
+    static constexpr int width = lane_count;
+    static constexpr float rounding = 1.2e-7f;  // of a float32, relative
+
+    // Float32 numbers beyond the rounding of a few operations.
+    static float below(double value) { return static_cast<float>(value - 8.0 * rounding * std::fabs(value)); }
+    static float above(double value) { return static_cast<float>(value + 8.0 * rounding * std::fabs(value)); }
+
+    // Boxes in float32, no smaller than the exact ones.
     struct Node {
-        Lanes low[3], high[3];
-        std::int32_t child[lane_count];  // a node, or the first item of a leaf
-        std::int32_t count[lane_count];  // items of a leaf, or 0
-        int children = 0;
+        Lanes side[2][3];           // low, high
+        std::int32_t child[width];  // a node, or the first item of a leaf
+        std::int32_t count[width];  // items of a leaf, or 0
+        unsigned children = 0;      // one bit each
     };
 
     struct Slabs {
-        double origin[3], inverse[3];
+        int nearer[3];  // 1 where the ray comes from a box's high side
+        float origin[3], inverse[3];
+        float margin[3];  // of t, for the rounding of the origin
 
-        explicit Slabs(const Ray& ray)
-            : origin{ray.origin.x, ray.origin.y, ray.origin.z},
-              inverse{1.0 / ray.direction.x, 1.0 / ray.direction.y, 1.0 / ray.direction.z} {}
+        explicit Slabs(const Ray& ray) {
+            for (int axis = 0; axis < 3; ++axis) {
+                origin[axis] = static_cast<float>(ray.origin[axis]);
+                inverse[axis] = static_cast<float>(lesser(greater(1.0 / ray.direction[axis], -1e30), 1e30));
+                margin[axis] = 2.0f * rounding * std::fabs(origin[axis] * inverse[axis]);
+                nearer[axis] = inverse[axis] < 0.0f;
+            }
+        }
 
-        // Where the ray is inside each child's box; empty where high < low. The ends are widened by more than the
-        // rounding of two products (Ize 2013); a NaN, from a ray in the plane of a flat box, leaves them as they are.
-        void overlap(const Node& node, double t_min, double t_best, Lanes& low, Lanes& high) const {
+        // Where the ray is inside each child's box; empty where high < low. The far ends are widened by more than the
+        // rounding of near and far ends (Ize 2013).
+        void overlap(const Node& node, float t_min, float t_best, Lanes& low, Lanes& high) const {
             low = every(t_min);
             high = every(t_best);
             for (int axis = 0; axis < 3; ++axis) {
-                const Lanes a = (node.low[axis] - origin[axis]) * inverse[axis];
-                const Lanes b = (node.high[axis] - origin[axis]) * inverse[axis];
-                const Lanes near = smaller(a, b), far = larger(a, b);
-                const Lanes margin = 1e-12 * larger(far, -far);
-                const Lanes enter = near - margin, leave = far + margin;
-                low = enter > low ? enter : low;
-                high = leave < high ? leave : high;
+                const Lanes near = (node.side[nearer[axis]][axis] - origin[axis]) * inverse[axis];
+                const Lanes far = (node.side[1 - nearer[axis]][axis] - origin[axis]) * inverse[axis];
+                low = larger(near - margin[axis], low);
+                high = smaller(far + larger(far, -far) * (8.0f * rounding) + margin[axis], high);
             }
         }
     };
@@ -172,10 +195,10 @@ private:
         }
     };
 
-    // Takes the children of the children in, the largest first, until a node has eight.
+    // Takes the children of the children in, the largest first, until a node has sixteen.
     std::int32_t collapse(const std::vector<typename Builder::BinaryNode>& binary, std::int32_t top) {
         std::vector<std::int32_t> children = {top};
-        while (children.size() < lane_count) {
+        while (children.size() < width) {
             int largest = -1;
             double area = -1.0;
             for (std::size_t k = 0; k < children.size(); ++k) {
@@ -197,12 +220,12 @@ private:
             const std::int32_t child = node.count > 0 ? node.first : collapse(binary, children[k]);
             Node& wide = nodes_[index];
             for (int axis = 0; axis < 3; ++axis) {
-                wide.low[axis][k] = node.box.low[axis];
-                wide.high[axis][k] = node.box.high[axis];
+                wide.side[0][axis].set(k, below(node.box.low[axis]));
+                wide.side[1][axis].set(k, above(node.box.high[axis]));
             }
             wide.child[k] = child;
             wide.count[k] = node.count;
-            wide.children = static_cast<int>(k) + 1;
+            wide.children |= 1u << k;
         }
         return index;
     }

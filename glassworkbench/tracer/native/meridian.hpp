@@ -25,6 +25,7 @@ struct Piece {
     double r[4], z[4], w[4];  // power basis in u; r and z are multiplied by the weight where it varies
     bool rational = false;
     double r_start, z_start, r_end, z_end;
+    double dr_start, dz_start, dr_end, dz_end;  // as at(0) and at(1) have them
 
     CurvePoint at(double u) const {
         const double x = r[0] + u * (r[1] + u * (r[2] + u * r[3]));
@@ -129,6 +130,11 @@ private:
         piece.z_end = high == 1.0 ? segment[3].z : pz[3] / pw[3];
         r_start = piece.r_end;
         z_start = piece.z_end;
+        const CurvePoint start = piece.at(0.0), end = piece.at(1.0);
+        piece.dr_start = start.dr;
+        piece.dz_start = start.dz;
+        piece.dr_end = end.dr;
+        piece.dz_end = end.dz;
         pieces.push_back(piece);
     }
 };

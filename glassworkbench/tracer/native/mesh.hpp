@@ -31,6 +31,8 @@ public:
         }
     }
 
+    static constexpr double largest_slack() { return 0.0; }
+
     const Box& bounds() const { return hierarchy_.bounds(); }
 
     template <class Visit>
@@ -46,13 +48,13 @@ public:
         const double w = 1.0 - hit.u - hit.v;
         const Corners& c = corners_[hit.part];
         point = w * c[0] + hit.u * c[1] + hit.v * c[2];
-        const Vector facet = facet_normal(hit, {});
+        const Vector facet = facet_normal(hit);
         normal = normalised(w * normals_[t[0]] + hit.u * normals_[t[1]] + hit.v * normals_[t[2]]);
         // A vertex normal that disagrees with the facet about which side the ray comes from cannot be used here.
         if (!((dot(normal, ray.direction) < 0.0) == hit.entering)) normal = facet;
     }
 
-    Vector facet_normal(const Hit& hit, const Vector&) const {
+    Vector facet_normal(const Hit& hit) const {
         const Corners& c = corners_[hit.part];
         return normalised(cross(c[1] - c[0], c[2] - c[0]));
     }

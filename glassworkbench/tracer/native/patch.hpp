@@ -25,7 +25,8 @@
 // crossing that a ray starts at is known by its triangle, place and sense: a triangle that the ray cannot be tangent to
 // is met once, so it is passed over; on another only the second foot counts. A neighbour that claims the same crossing,
 // at a shared edge, contradicts what the ray is inside of, and is passed over for that. No distance is compared with a
-// wall's thickness.
+// wall's thickness. At a crease that a ray cuts off by less than the sheets are apart there, both its crossings may
+// come in the wrong order: one of them is off its triangle, and says by how much, as its slack.
 #pragma once
 
 #include <cmath>
@@ -63,8 +64,13 @@ public:
             const std::vector<Box>& boxes)
         : sheets_(std::move(sheets)), edges_(std::move(edges)), hierarchy_(boxes) {
         triangles_.reserve(triangles.size());
-        for (const std::int32_t number : hierarchy_.order()) triangles_.emplace_back(triangles[number], edges_);
+        for (const std::int32_t number : hierarchy_.order()) {
+            triangles_.emplace_back(triangles[number], edges_);
+            largest_slack_ = greater(largest_slack_, triangles_.back().size);
+        }
     }
+
+    double largest_slack() const { return largest_slack_; }
 
     const Box& bounds() const { return hierarchy_.bounds(); }
 
@@ -88,8 +94,6 @@ public:
         normal = normalised(normal);
     }
 
-    Vector facet_normal(const Hit&, const Vector& normal) const { return normal; }
-
 private:
     static constexpr double towards_middle = 1e-7;
     static constexpr double at_pole = 1e-7;  // sum of the coordinates, below which all is as at the pole
@@ -105,6 +109,7 @@ private:
         // ends is above `reach`, or the ends' product above `around` (the ray is outside the circle over the chord,
         // which is widened by the arc's height).
         double reach[3], around[3];
+        double size = 0.0;  // the longest chord
 
         Triangle(const CurvedTriangle& triangle, const std::vector<CurvedEdge>& edges) : CurvedTriangle(triangle) {
             for (int k = 0; k < 3; ++k) {
@@ -112,9 +117,10 @@ private:
                 const Vector& start = e.point[0];
                 const Vector chord = e.point[2 * CurvedEdge::pieces] - start;
                 double off = 0.0;  // twice the triangle of the chord and a point of the arc
-                for (const Vector& point : e.point) off = std::fmax(off, length(cross(chord, point - start)));
+                for (const Vector& point : e.point) off = greater(off, length(cross(chord, point - start)));
                 // An arc leaves the hull of its points by less than half.
                 reach[k] = 1.5 * off;
+                size = greater(size, length(chord));
                 const double height = off > 0.0 ? reach[k] / length(chord) : 0.0;
                 around[k] = height * (length(chord) + height);
             }
@@ -129,7 +135,8 @@ private:
     struct Root {
         bool found = false;
         double p = 0.0, q = 0.0, t = 0.0;
-        int sense = 0;  // 1 where the ray leaves, -1 where it enters
+        int sense = 0;       // 1 where the ray leaves, -1 where it enters
+        double slack = 0.0;  // of the triangle's size, as Hit's
     };
 
     // The parameters that a triangle's barycentric coordinates stand for. At a pole they are those of a fan: the one
@@ -168,6 +175,8 @@ private:
     template <class Visit>
     void test(const Ray& ray, const Shear& shear, std::int32_t number, const Hit& start, Visit&& visit) const {
         const Triangle& triangle = triangles_[number];
+        const bool may_touch = std::fabs(dot(ray.direction, triangle.cone_axis)) <= triangle.cone_sine;
+        if (number == start.part && !may_touch) return;
         Vector corner[3];
         for (int k = 0; k < 3; ++k) corner[k] = shear.point(triangle.corner[k]);
         // Seen along the ray, lengths and areas grow by what the shear stretches, if they do.
@@ -185,9 +194,8 @@ private:
                 turns += triangle.along[k] ? once : -once;
             }
         }
-        const bool may_touch = std::fabs(dot(ray.direction, triangle.cone_axis)) <= triangle.cone_sine;
         if (number == start.part) {
-            if (may_touch) test_again(shear, triangle, number, start, turns, visit);
+            test_again(shear, triangle, number, start, turns, visit);
             return;
         }
         if (turns != 0) {
@@ -196,7 +204,7 @@ private:
         } else if (may_touch) {
             const Pair both = pair(shear, triangle, 1.0 / 3.0, 1.0 / 3.0);
             if (!both.found) return;
-            if (std::fmax(outside(both.entering), outside(both.leaving)) > on_triangle) return;
+            if (greater(outside(both.entering), outside(both.leaving)) > on_triangle) return;
             report(number, both.entering, -1, visit);
             report(number, both.leaving, 1, visit);
         }
@@ -225,12 +233,13 @@ private:
     }
 
     template <class Visit>
-    static void report(std::int32_t number, const Root& root, int turns, Visit&& visit) {
-        visit(Hit{root.t, turns < 0, number, root.p, root.q});
+    void report(std::int32_t number, const Root& root, int turns, Visit&& visit) const {
+        const double off = lesser(greater(root.slack, 4.0 * outside(root)), 1.0);
+        visit(Hit{root.t, turns < 0, number, root.p, root.q, off * triangles_[number].size});
     }
 
     static double outside(const Root& root) {
-        return std::fmax(std::fmax(-root.p, -root.q), std::fmax(root.p + root.q - 1.0, 0.0));
+        return greater(greater(-root.p, -root.q), greater(root.p + root.q - 1.0, 0.0));
     }
 
     static int winding_of(const Shear& shear, const CurvedEdge& edge) {
@@ -261,10 +270,10 @@ private:
         const double total = areas[0] + areas[1] + areas[2];
         // The area of edge k belongs to the corner across.
         double p = areas[2] / total, q = areas[0] / total;
-        if (!(p >= -beyond && q >= -beyond && p + q <= 1.0 + beyond)) p = q = 1.0 / 3.0;
+        if (!(p >= 0.0 && q >= 0.0 && p + q <= 1.0)) nearest_on_side(corner, p, q);
         const int sense = turns < 0 ? -1 : 1;
-        const Root flat{true, p, q, shear.sz * ((1.0 - p - q) * corner[0].z + p * corner[1].z + q * corner[2].z),
-                        sense};
+        const double depth = (1.0 - p - q) * corner[0].z + p * corner[1].z + q * corner[2].z;
+        const Root flat{true, p, q, shear.sz * depth, sense, 1.0};
         // Other feet may lie nearby, on the sheet beyond the triangle: the one that is least outside is meant.
         Root best = flat;
         double least = INFINITY;
@@ -283,6 +292,21 @@ private:
         for (const auto& start : starts)
             if (settles(refined(shear, triangle, start[0] / 6.0, start[1] / 6.0))) break;
         return best;
+    }
+
+    // The point of the flat triangle's sides that the ray passes nearest to, as it is seen along the ray.
+    static void nearest_on_side(const Vector* corner, double& p, double& q) {
+        double least = INFINITY;
+        for (int k = 0; k < 3; ++k) {
+            const Vector &start = corner[k], side = corner[(k + 1) % 3] - start;
+            const double along = -dot_across(start, side) / dot_across(side, side);
+            const double s = along > 0.0 ? lesser(along, 1.0) : 0.0;
+            const Vector point = start + s * side;
+            if (!(dot_across(point, point) < least)) continue;
+            least = dot_across(point, point);
+            p = k == 0 ? s : k == 1 ? 1.0 - s : 0.0;
+            q = k == 1 ? s : k == 2 ? 1.0 - s : 0.0;
+        }
     }
 
     struct Projected {
@@ -317,7 +341,7 @@ private:
             }
             d_p /= pull;
             d_q /= pull;
-            double step = std::fmax(std::fabs(d_p), std::fabs(d_q));
+            double step = greater(std::fabs(d_p), std::fabs(d_q));
             if (!(step < INFINITY)) return {};
             if (step > 0.5) {
                 d_p *= 0.5 / step;
@@ -361,7 +385,7 @@ private:
             const double inverse = -1.0 / (slope_p * spread_q - slope_q * spread_p), off = dot_across(e, f.value);
             const double d_p = inverse * (f.determinant * spread_q - off * slope_q);
             const double d_q = inverse * (off * slope_p - f.determinant * spread_p);
-            const double step = std::fmax(std::fabs(d_p), std::fabs(d_q));
+            const double step = greater(std::fabs(d_p), std::fabs(d_q));
             if (!(step < 2.0)) return {};
             p += d_p;
             q += d_q;
@@ -396,6 +420,7 @@ private:
     std::vector<CurvedEdge> edges_;
     Hierarchy hierarchy_;
     std::vector<Triangle> triangles_;
+    double largest_slack_ = 0.0;
 };
 
 }  // namespace glass

@@ -34,27 +34,30 @@ public:
         z_low_ = INFINITY;
         z_high_ = -INFINITY;
         for (const Piece& p : pieces_) {
-            r_max = std::fmax(r_max, std::fmax(p.r_start, p.r_end));
-            z_low_ = std::fmin(z_low_, std::fmin(p.z_start, p.z_end));
-            z_high_ = std::fmax(z_high_, std::fmax(p.z_start, p.z_end));
+            r_max = greater(r_max, greater(p.r_start, p.r_end));
+            z_low_ = lesser(z_low_, lesser(p.z_start, p.z_end));
+            z_high_ = greater(z_high_, greater(p.z_start, p.z_end));
         }
         for (const double z : {z_low_, z_high_}) {
             const Vector centre = base_ + z * rotation_.row[2];
             const Vector& n = rotation_.row[2];
-            const Vector reach = {r_max * std::sqrt(std::fmax(0.0, 1.0 - n.x * n.x)),
-                                  r_max * std::sqrt(std::fmax(0.0, 1.0 - n.y * n.y)),
-                                  r_max * std::sqrt(std::fmax(0.0, 1.0 - n.z * n.z))};
+            const Vector reach = {r_max * std::sqrt(greater(0.0, 1.0 - n.x * n.x)),
+                                  r_max * std::sqrt(greater(0.0, 1.0 - n.y * n.y)),
+                                  r_max * std::sqrt(greater(0.0, 1.0 - n.z * n.z))};
             bounds_.include(centre - reach);
             bounds_.include(centre + reach);
         }
-        const double size = std::fmax(r_max, z_high_ - z_low_);
+        r2_high_ = (1.0 + 1e-8) * r_max * r_max;
+        const double size = greater(r_max, z_high_ - z_low_);
         inverse_size_ = 1.0 / size;
         margin_ = 1e-9 * size;
-        noise_ = 2e-15 * std::fmax(r_max, std::fmax(-z_low_, z_high_));
+        noise_ = 2e-15 * greater(r_max, greater(-z_low_, z_high_));
         std::vector<int> order(pieces_.size());
         for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
         root_ = build(order.data(), static_cast<int>(order.size()));
     }
+
+    static constexpr double largest_slack() { return 0.0; }
 
     const Box& bounds() const { return bounds_; }
 
@@ -70,8 +73,9 @@ public:
         const double x = o.x + hit.t * d.x, y = o.y + hit.t * d.y;
         const CurvePoint c = pieces_[hit.part].at(hit.u);
         const double r = std::sqrt(x * x + y * y);
-        const double ex = r > 0.0 ? x / r : 1.0, ey = r > 0.0 ? y / r : 0.0;
-        const double radius = std::fmax(c.r, 0.0);
+        const double inverse_r = 1.0 / r;
+        const double ex = r > 0.0 ? x * inverse_r : 1.0, ey = r > 0.0 ? y * inverse_r : 0.0;
+        const double radius = greater(c.r, 0.0);
         point = base_ + rotation_.to_world({radius * ex, radius * ey, c.z});
         // A collapsed control polygon has no tangent at its end; the chord's stands in for it.
         double dr = c.dr, dz = c.dz;
@@ -84,22 +88,21 @@ public:
         normal = rotation_.to_world({scale * dz * ex, scale * dz * ey, -scale * dr});
     }
 
-    Vector facet_normal(const Hit&, const Vector& normal) const { return normal; }
-
 private:
     static constexpr int width = lane_count;
 
+    // Boxes in float32, larger than what is in them by more than its rounding.
     struct Node {
         Lanes r2_low, r2_high, z_low, z_high;
         std::int32_t child[width];  // a node, or ~piece
-        int count = 0;
+        unsigned children = 0;      // one bit each
     };
 
     struct Chart {
         double A, B, C, z0, dz;
         double c, a, slope;  // closest approach, horizontal speed, dz / a
         double shift;        // tau = t - shift
-        double inverse_dz, inverse_A;
+        double inverse_dz, inverse_a, inverse_A;
         double px, py, dx, dy;
         bool flat;
 
@@ -111,10 +114,13 @@ private:
             dz = d.z;
             A = dx * dx + dy * dy;
             flat = dz * dz < A;
-            shift = A > 0.0 ? -(o.x * dx + o.y * dy) / A : 0.0;
+            inverse_A = A > 1e-200 ? 1.0 / A : 0.0;
+            a = std::sqrt(A);
+            inverse_a = a * inverse_A;
+            shift = -(o.x * dx + o.y * dy) * inverse_A;
             if (!flat) {
                 const double low = (body.z_low_ - o.z) / dz, high = (body.z_high_ - o.z) / dz;
-                shift = std::fmin(std::fmax(shift, std::fmin(low, high)), std::fmax(low, high));
+                shift = lesser(greater(shift, lesser(low, high)), greater(low, high));
             }
             px = o.x + shift * dx;
             py = o.y + shift * dy;
@@ -122,121 +128,150 @@ private:
             C = px * px + py * py;
             c = std::sqrt(C);
             B = flat ? 0.0 : px * dx + py * dy;
-            a = std::sqrt(A);
-            slope = flat ? dz / a : 0.0;
-            inverse_A = A > 1e-200 ? 1.0 / A : 0.0;
+            slope = flat ? dz * inverse_a : 0.0;
             inverse_dz = std::fabs(dz) > 1e-290 ? 1.0 / dz : 1e290;
         }
     };
 
-    int build(int* first, int count) {
+    // A ray as nodes see it.
+    struct Culling {
+        float A, B, C, z0, inverse_A, inverse_dz, z_margin;
+
+        explicit Culling(const Chart& ray)
+            : A(static_cast<float>(ray.A)),
+              B(static_cast<float>(ray.B)),
+              C(static_cast<float>(ray.C)),
+              z0(static_cast<float>(ray.z0)),
+              inverse_A(static_cast<float>(ray.inverse_A)),
+              inverse_dz(static_cast<float>(lesser(greater(ray.inverse_dz, -1e30), 1e30))),
+              z_margin(2.0f * float_rounding * std::fabs(z0 * inverse_dz)) {}
+    };
+    static constexpr float float_rounding = 1.2e-7f;
+
+    int build(const int* first, int count) {
+        const int index = static_cast<int>(nodes_.size());
         nodes_.emplace_back();
-        const int index = static_cast<int>(nodes_.size()) - 1;
         // Groups of neighbouring pieces along the chain: a chain is its own best hierarchy.
-        int groups = 1;
-        while (groups * width < count) groups *= width;
-        const int size = count <= width ? 1 : groups;
+        int size = 1;
+        while (size * width < count) size *= width;
+        if (size > 1) size = std::max(width, (count + width - 1) / width);
+        const double r2_margin = 1e-6 * r2_high_, z_margin = 1e-6 / inverse_size_;
         for (int start = 0, k = 0; start < count; start += size, ++k) {
             const int n = std::min(size, count - start);
             double r_low = INFINITY, r_high = 0.0, z_low = INFINITY, z_high = -INFINITY;
             for (int i = start; i < start + n; ++i) {
                 const Piece& p = pieces_[first[i]];
-                r_low = std::fmin(r_low, std::fmin(p.r_start, p.r_end));
-                r_high = std::fmax(r_high, std::fmax(p.r_start, p.r_end));
-                z_low = std::fmin(z_low, std::fmin(p.z_start, p.z_end));
-                z_high = std::fmax(z_high, std::fmax(p.z_start, p.z_end));
+                r_low = lesser(r_low, lesser(p.r_start, p.r_end));
+                r_high = greater(r_high, greater(p.r_start, p.r_end));
+                z_low = lesser(z_low, lesser(p.z_start, p.z_end));
+                z_high = greater(z_high, greater(p.z_start, p.z_end));
             }
-            r_low = std::fmax(r_low - margin_, 0.0);
-            r_high += margin_;
             const int child = n == 1 ? ~first[start] : build(first + start, n);
+            const double rounding = 1e-6 * greater(std::fabs(z_low), std::fabs(z_high));
             Node& node = nodes_[index];
-            node.r2_low[k] = r_low * r_low;
-            node.r2_high[k] = r_high * r_high;
-            node.z_low[k] = z_low - margin_;
-            node.z_high[k] = z_high + margin_;
+            node.r2_low.set(k, static_cast<float>(r_low * r_low - r2_margin));
+            node.r2_high.set(k, static_cast<float>(r_high * r_high + r2_margin));
+            node.z_low.set(k, static_cast<float>(z_low - z_margin - rounding));
+            node.z_high.set(k, static_cast<float>(z_high + z_margin + rounding));
             node.child[k] = child;
-            node.count = k + 1;
-        }
-        Node& node = nodes_[index];
-        for (int k = node.count; k < width; ++k) {
-            node.r2_low[k] = 1e300;
-            node.r2_high[k] = -1.0;
-            node.z_low[k] = 1e150;
-            node.z_high[k] = 1e150;
-            node.child[k] = 0;
+            node.children |= 1u << k;
         }
         return index;
     }
 
     // For each child the interval of tau in which the ray can be inside its box: the slab of z, then the annulus of r,
-    // whose r^2 is a convex function of tau. Empty where high < low.
-    static void reach(const Node& node, const Chart& ray, double tau_low, double tau_high, Lanes& low, Lanes& high) {
+    // whose r^2 is a convex function of tau. Empty where high < low. Products and roots are widened by their rounding;
+    // that of differences the boxes have room for.
+    static void reach(const Node& node, const Culling& ray, bool flat, float tau_low, float tau_high, Lanes& low,
+                      Lanes& high) {
         const Lanes t1 = (node.z_low - ray.z0) * ray.inverse_dz, t2 = (node.z_high - ray.z0) * ray.inverse_dz;
-        low = larger(smaller(t1, t2), every(tau_low));
-        high = smaller(larger(t1, t2), every(tau_high));
+        const Lanes near = smaller(t1, t2), far = larger(t1, t2);
+        const Lanes margin = larger(far, -near) * (4.0f * float_rounding) + ray.z_margin;
+        low = larger(near - margin, every(tau_low));
+        high = smaller(far + margin, every(tau_high));
         const Lanes nothing = every(-INFINITY);
-        if (ray.flat) {
-            const Lanes outer = (node.r2_high - ray.C) * ray.inverse_A, inner = (node.r2_low - ray.C) * ray.inverse_A;
-            const Lanes far = square_root(larger(outer, every(0.0))), near = square_root(larger(inner, every(0.0)));
-            low = larger(low, -far);
-            high = smaller(high, far);
-            low = low > -near ? larger(low, near) : low;
-            high = high < near ? smaller(high, -near) : high;
-            high = outer < every(0.0) ? nothing : high;
+        if (flat) {
+            constexpr float more = 1.0f + 4.0f * float_rounding, less = 1.0f - 4.0f * float_rounding;
+            const Lanes none = every(0.0f);
+            const Lanes outer = (node.r2_high - ray.C) * ray.inverse_A;
+            const Lanes inner = (node.r2_low - ray.C) * ray.inverse_A;
+            const Lanes out = square_root(larger(outer, none)) * more, in = square_root(larger(inner, none)) * less;
+            low = larger(low, -out);
+            high = smaller(high, out);
+            low = where_greater(low, -in, larger(low, in), low);
+            high = where_greater(in, high, smaller(high, -in), high);
+            high = where_greater(none, outer, nothing, high);
         } else {
             const Lanes nearest = smaller(larger(every(-ray.B * ray.inverse_A), low), high);
-            const Lanes r2_low = ray.C + low * (2.0 * ray.B + low * ray.A);
-            const Lanes r2_high = ray.C + high * (2.0 * ray.B + high * ray.A);
-            const Lanes r2_nearest = ray.C + nearest * (2.0 * ray.B + nearest * ray.A);
-            high = r2_nearest > node.r2_high ? nothing : high;
-            high = larger(r2_low, r2_high) < node.r2_low ? nothing : high;
+            const Lanes r2_low = low * (low * ray.A + 2.0f * ray.B) + ray.C;
+            const Lanes r2_high = high * (high * ray.A + 2.0f * ray.B) + ray.C;
+            const Lanes r2_nearest = nearest * (nearest * ray.A + 2.0f * ray.B) + ray.C;
+            high = where_greater(r2_nearest, node.r2_high, nothing, high);
+            high = where_greater(node.r2_low, larger(r2_low, r2_high), nothing, high);
         }
     }
 
     template <class Visit>
     void walk(const Chart& ray, double t_min, const double& t_best, const Hit& start, Visit&& visit) const {
-        struct Entry {
-            double low, high;
-            std::int32_t child;
+        if (ray.C > r2_high_) return;
+        const auto tau = [&](double t, double way) {
+            const double exact = t - ray.shift;
+            return static_cast<float>(exact + way * (margin_ + 1e-6 * std::fabs(exact)));
         };
-        Entry stack[8 * width];
-        int depth = 0;
-        stack[depth++] = {t_min - ray.shift, INFINITY, root_};
+        const Culling culling(ray);
+        const float tau_min = tau(t_min, -1.0);
+        float tau_best = tau(t_best, 1.0);
+        double known_best = t_best;
+        // What waits, the nearest last.
+        float waiting_low[8 * width], waiting_high[8 * width];
+        std::int32_t waiting[8 * width];
+        waiting_low[0] = tau_min;
+        waiting_high[0] = INFINITY;
+        waiting[0] = root_;
+        int depth = 1;
         while (depth > 0) {
-            const Entry entry = stack[--depth];
-            if (entry.low > t_best - ray.shift) continue;
-            if (entry.child < 0) {
-                solve(ray, ~entry.child, entry.low, entry.high, start, visit);
+            --depth;
+            if (t_best != known_best) {
+                known_best = t_best;
+                tau_best = tau(t_best, 1.0);
+            }
+            if (waiting_low[depth] > tau_best) continue;
+            const std::int32_t child = waiting[depth];
+            if (child < 0) {
+                solve(ray, ~child, waiting_low[depth], waiting_high[depth], start, visit);
                 continue;
             }
-            const Node& node = nodes_[entry.child];
+            const Node& node = nodes_[child];
             Lanes low, high;
-            reach(node, ray, t_min - ray.shift - margin_, t_best - ray.shift + margin_, low, high);
-            // Nearest last, so that it is taken first.
+            reach(node, culling, ray.flat, tau_min, tau_best, low, high);
             const int first = depth;
-            for (int k = 0; k < node.count; ++k) {
-                if (!(low[k] <= high[k])) continue;
+            for (unsigned reached = where_no_larger(low, high) & node.children; reached != 0; reached &= reached - 1) {
+                const int k = lowest_bit(reached);
+                const float its_low = low[k];
                 int place = depth++;
-                while (place > first && stack[place - 1].low < low[k]) {
-                    stack[place] = stack[place - 1];
-                    --place;
+                for (; place > first && waiting_low[place - 1] < its_low; --place) {
+                    waiting_low[place] = waiting_low[place - 1];
+                    waiting_high[place] = waiting_high[place - 1];
+                    waiting[place] = waiting[place - 1];
                 }
-                stack[place] = {low[k], high[k], node.child[k]};
+                waiting_low[place] = its_low;
+                waiting_high[place] = high[k];
+                waiting[place] = node.child[k];
             }
         }
     }
 
     template <class Visit>
-    void solve(const Chart& ray, int number, double tau_low, double tau_high, const Hit& start, Visit&& visit) const {
+    void solve(const Chart& ray, int number, float tau_low, float tau_high, const Hit& start, Visit&& visit) const {
         const Piece& piece = pieces_[number];
         const double u_start = number == start.part ? start.u : -1.0;
         if (!ray.flat) {
             isolate(SteepChart(ray, piece), ray, number, u_start, visit);
             return;
         }
-        if (std::fmax(piece.r_start, piece.r_end) <= ray.c) return;
+        if (greater(piece.r_start, piece.r_end) <= ray.c) return;
         for (const double side : {-1.0, 1.0}) {
-            if (side < 0.0 ? tau_low > 0.0 : tau_high < 0.0) continue;
+            if (side < 0.0 ? tau_low > 0.0f : tau_high < 0.0f) continue;
             const bool started_here = side * ray.shift < 0.0;
             isolate(FlatChart(ray, piece, side), ray, number, started_here ? u_start : -1.0, visit);
         }
@@ -256,7 +291,7 @@ private:
         double u_clip = 0.0, x_end = 1.0;
 
         FlatChart(const Chart& chart, const Piece& p, double s) : ray(chart), piece(p), side(s), k(s * chart.slope) {
-            if (std::fmin(p.r_start, p.r_end) > ray.c || p.r_start == p.r_end) return;
+            if (lesser(p.r_start, p.r_end) > ray.c || p.r_start == p.r_end) return;
             if (ray.c == 0.0) return;
             clip = p.r_start < p.r_end ? 1 : -1;
             u_clip = parameter_at_radius(p, ray.c);
@@ -286,26 +321,28 @@ private:
             return {(p.z - ray.z0) - k * chord.g, p.dz * stretch - k * chord.slope};
         }
 
-        double joint(double r, double z) const {
-            const double difference = (r - ray.c) * (r + ray.c);
-            return (z - ray.z0) - k * std::sqrt(difference > 0.0 ? difference : 0.0);
+        // At a joint, from numbers that both pieces share.
+        Value joint(double r, double z, double dr, double dz) const {
+            const double square = (r - ray.c) * (r + ray.c);
+            const double root = std::sqrt(square > 0.0 ? square : 0.0);
+            return {(z - ray.z0) - k * root, dz - k * (root > 0.0 ? r * dr / root : dr)};
         }
 
         Value start() const {
-            const Value value = at(0.0);
-            if (clip == 0) return {joint(piece.r_start, piece.z_start), value.slope};
+            if (clip == 0) return joint(piece.r_start, piece.z_start, piece.dr_start, piece.dz_start);
             // Both branches meet at the closest approach and must see the same sign there.
-            if (u_clip == 0.0) return {piece.z_start - ray.z0, value.slope};
-            if (u_clip == 1.0) return {piece.z_end - ray.z0, value.slope};
-            return {piece.at(u_clip).z - ray.z0, value.slope};
+            const double slope = at(0.0).slope;
+            if (u_clip == 0.0) return {piece.z_start - ray.z0, slope};
+            if (u_clip == 1.0) return {piece.z_end - ray.z0, slope};
+            return {piece.at(u_clip).z - ray.z0, slope};
         }
         Value end() const {
-            const double slope = at(x_end).slope;
-            return clip < 0 ? Value{joint(piece.r_start, piece.z_start), slope}
-                            : Value{joint(piece.r_end, piece.z_end), slope};
+            if (clip == 0) return joint(piece.r_end, piece.z_end, piece.dr_end, piece.dz_end);
+            const double r = clip < 0 ? piece.r_start : piece.r_end, z = clip < 0 ? piece.z_start : piece.z_end;
+            return {joint(r, z, 0.0, 0.0).g, at(x_end).slope};
         }
 
-        double tau(double x, const CurvePoint& p) const { return side * half_chord(x, p).g / ray.a; }
+        double tau(double x, const CurvePoint& p) const { return side * half_chord(x, p).g * ray.inverse_a; }
 
         // dg/du = (d . n) r / (A tau): the sense of a crossing is the sense in which g changes sign.
         bool entering(bool rising) const { return (rising == (clip >= 0)) == (side < 0.0); }
@@ -372,11 +409,10 @@ private:
     template <class Function, class Visit>
     void isolate(const Function& function, const Chart& ray, int number, double u_start, Visit&& visit) const {
         constexpr int deepest_split = 48;
-        Part<Function> parts[deepest_split + 2];
+        Part<Function> waiting[deepest_split + 2];
         int count = 0;
-        parts[count++] = {0.0, function.x_end, function.start(), function.end()};
-        while (count > 0) {
-            const Part<Function> part = parts[--count];
+        Part<Function> part = {0.0, function.x_end, function.start(), function.end()};
+        for (;;) {
             const double third = (part.high - part.low) / 3.0;
             const double g0 = part.at_low.g, g3 = part.at_high.g;
             const double g1 = g0 + third * part.at_low.slope, g2 = g3 - third * part.at_high.slope;
@@ -384,24 +420,26 @@ private:
             const bool crosses = (g0 >= 0.0) != (g3 >= 0.0);
             bool settled = monotone || count + 2 > deepest_split || !(part.high - part.low > 1e-14);
             if (!settled) {
-                const double lowest = std::fmin(std::fmin(g0, g1), std::fmin(g2, g3));
-                const double highest = std::fmax(std::fmax(g0, g1), std::fmax(g2, g3));
+                const double lowest = lesser(lesser(g0, g1), lesser(g2, g3));
+                const double highest = greater(greater(g0, g1), greater(g2, g3));
                 const double distance = g0 >= 0.0 ? lowest : -highest;
-                if (!crosses && distance > 0.25 * (highest - lowest)) continue;
                 // Where a ray runs along the surface g is rounding errors only, and splitting would find each of them.
-                settled = std::fmax(highest, -lowest) <= noise_;
+                settled = (!crosses && distance > 0.25 * (highest - lowest)) || greater(highest, -lowest) <= noise_;
             }
-            if (settled) {
-                if (!crosses) continue;
-                const double u_low = function.parameter(part.low), u_high = function.parameter(part.high);
-                if (u_start >= std::fmin(u_low, u_high) && u_start <= std::fmax(u_low, u_high)) continue;
-                report(function, ray, number, part, visit);
+            if (!settled) {
+                const double middle = 0.5 * (part.low + part.high);
+                const Value value = function.at(middle);
+                waiting[count++] = {middle, part.high, value, part.at_high};
+                part = {part.low, middle, part.at_low, value};
                 continue;
             }
-            const double middle = 0.5 * (part.low + part.high);
-            const Value value = function.at(middle);
-            parts[count++] = {middle, part.high, value, part.at_high};
-            parts[count++] = {part.low, middle, part.at_low, value};
+            if (crosses) {
+                const double u_low = function.parameter(part.low), u_high = function.parameter(part.high);
+                const bool starts_here = u_start >= lesser(u_low, u_high) && u_start <= greater(u_low, u_high);
+                if (!starts_here) report(function, ray, number, part, visit);
+            }
+            if (count == 0) return;
+            part = waiting[--count];
         }
     }
 
@@ -443,10 +481,9 @@ private:
 
     // Newton in (u, tau) together: no square root, so full accuracy where the charts' own would lose it. For a flat ray
     // u hardly depends on tau and settles first: what both steps leave of the first equation must have become small.
-    Root polished(const Piece& piece, const Chart& ray, double u, double tau) const {
+    Root polished(const Piece& piece, const Chart& ray, double u, double tau, CurvePoint p) const {
         double step = 1.0;
-        for (int i = 0; i < 5; ++i) {
-            const CurvePoint p = piece.at(u);
+        for (int i = 0; i < 5; ++i, p = piece.at(u)) {
             const double f1 = ray.C + tau * (2.0 * ray.B + tau * ray.A) - p.r * p.r;
             const double f2 = ray.z0 + tau * ray.dz - p.z;
             const double climb = ray.B + ray.A * tau;
@@ -474,18 +511,20 @@ private:
         const Piece& piece = pieces_[number];
         double x = guess(part);
         double u = function.parameter(x);
-        Root found = polished(piece, ray, u, function.tau(x, piece.at(u)));
+        CurvePoint p = piece.at(u);
+        Root found = polished(piece, ray, u, function.tau(x, p), p);
         const double u_low = function.parameter(part.low), u_high = function.parameter(part.high);
         const double slack = 1e-9;
-        if (!found.converged || !(found.u >= std::fmin(u_low, u_high) - slack) ||
-            !(found.u <= std::fmax(u_low, u_high) + slack)) {
+        if (!found.converged || !(found.u >= lesser(u_low, u_high) - slack) ||
+            !(found.u <= greater(u_low, u_high) + slack)) {
             x = root(function, part);
             u = function.parameter(x);
-            const double tau = function.tau(x, piece.at(u));
-            found = polished(piece, ray, u, tau);
+            p = piece.at(u);
+            const double tau = function.tau(x, p);
+            found = polished(piece, ray, u, tau, p);
             if (!found.converged || !(std::fabs(found.u - u) < 1e-6)) found = {u, tau, false};
         }
-        const double on_piece = std::fmin(std::fmax(found.u, 0.0), 1.0);
+        const double on_piece = lesser(greater(found.u, 0.0), 1.0);
         visit(Hit{found.tau + ray.shift, function.entering(part.at_high.g >= 0.0), number, on_piece, 0.0});
     }
 
@@ -495,7 +534,7 @@ private:
     Vector base_;
     Rotation rotation_;
     Box bounds_;
-    double z_low_, z_high_, inverse_size_, margin_, noise_;
+    double z_low_, z_high_, r2_high_, inverse_size_, margin_, noise_;
 };
 
 }  // namespace glass

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <type_traits>
 #include <vector>
 
 #include "fresnel.hpp"
@@ -157,29 +158,99 @@ private:
         return bits;
     }
 
+    // The nearest crossing ahead.
     Next nearest(const Path& path) const {
         Next next;
-        double best = INFINITY;
-        const double tolerance = scene_.start_tolerance;
         for (int k = 0; k < static_cast<int>(scene_.bodies.size()); ++k) {
-            const bool inside = (path.bits >> k) & 1u;
-            const double lowest = k == path.last_body ? 0.0 : -tolerance;
-            const auto visit = [&](const Hit& hit) {
-                if (!(hit.t > lowest) || !(hit.t < best)) return;
-                // Here already: the surface that the ray starts on or has just crossed.
-                if (hit.entering == inside && hit.t <= tolerance) return;
-                best = hit.t;
-                next.hit = hit;
-                next.body = k;
-            };
-            std::visit(
-                [&](const auto& surface) {
-                    surface.crossings(path.ray, lowest, best, k == path.last_body ? path.last_hit : Hit{}, visit);
-                },
-                scene_.bodies[k]);
+            View view = look(path, k, scene_.start_tolerance, next.hit.t);
+            const bool missed = k == path.last_body && view.beyond.part < 0 && view.inside;
+            if (view.here.part >= 0 || missed || view.contradicted()) {
+                view = settled(path, k);
+                if (view.here.part >= 0) return {view.here, k};
+            }
+            if (view.beyond.t < next.hit.t) next = {view.beyond, k};
         }
-        next.hit.t = std::fmax(next.hit.t, 0.0);
         return next;
+    }
+
+    // What a ray sees of a body: its nearest crossing beyond the tolerance, and the last one here in the sense that is
+    // due. Here are the surfaces that the ray starts on or has just crossed, and at an edge or an apex others, of which
+    // rounding decides the distance and its sign.
+    struct View {
+        bool inside;
+        Hit here, beyond;
+
+        bool contradicted() const { return beyond.part >= 0 && beyond.entering == inside; }
+    };
+
+    View look(const Path& path, int body, double behind, double farthest) const {
+        View view{((path.bits >> body) & 1u) != 0, {}, {}};
+        const Hit start = body == path.last_body ? path.last_hit : Hit{};
+        double best = farthest;
+        const auto visit = [&](const Hit& hit) {
+            if (hit.t > scene_.start_tolerance) {
+                if (!(hit.t < best)) return;
+                best = hit.t;
+                view.beyond = hit;
+            } else if (-hit.t <= greater(scene_.start_tolerance, greater(hit.slack, start.slack))) {
+                if (hit.entering != view.inside && (view.here.part < 0 || hit.t > view.here.t)) view.here = hit;
+            }
+        };
+        std::visit([&](const auto& surface) { surface.crossings(path.ray, -behind, best, start, visit); },
+                   scene_.bodies[body]);
+        return view;
+    }
+
+    // What counts of a body that has crossings here, or ahead in the wrong sense: `here` only where the next one
+    // farther on says that it was passed, and `beyond` in the right order.
+    View settled(const Path& path, int body) const {
+        const double slack =
+            std::visit([](const auto& surface) { return surface.largest_slack(); }, scene_.bodies[body]);
+        View view = look(path, body, greater(slack, scene_.start_tolerance), INFINITY);
+        const auto passed = [&] { return view.beyond.part < 0 ? view.inside : view.contradicted(); };
+        if (!passed()) {
+            view.here = {};
+            return view;
+        }
+        if (view.here.part < 0 && slack > 0.0) put_in_order(path, body, view);
+        if (view.here.part < 0 && passed() && body == path.last_body && balanced(path.ray, body)) {
+            // The start lies a little off the surface, and the ray beside it: what is left to cross is the start.
+            view.here = path.last_hit;
+            view.here.entering = !view.inside;
+            view.here.t = 0.0;
+        }
+        view.here.t = greater(view.here.t, 0.0);
+        return view;
+    }
+
+    // The crossing that is due may come a little after one that is not.
+    void put_in_order(const Path& path, int body, View& view) const {
+        const Hit first = view.beyond;
+        if (first.part < 0) return;
+        double best = INFINITY;
+        const auto visit = [&](const Hit& hit) {
+            if (hit.entering == view.inside || !(hit.t > first.t) || !(hit.t < best)) return;
+            best = hit.t;
+            if (hit.t - first.t <= greater(hit.slack, first.slack)) view.beyond = hit;
+        };
+        std::visit(
+            [&](const auto& surface) {
+                surface.crossings(path.ray, first.t, best, body == path.last_body ? path.last_hit : Hit{}, visit);
+            },
+            scene_.bodies[body]);
+    }
+
+    // Whether the whole line of a ray enters a body as often as it leaves it.
+    bool balanced(const Ray& ray, int body) const {
+        int balance = 0;
+        const double everything = INFINITY;
+        std::visit(
+            [&](const auto& surface) {
+                surface.crossings(ray, -INFINITY, everything, Hit{},
+                                  [&](const Hit& hit) { balance += hit.entering ? 1 : -1; });
+            },
+            scene_.bodies[body]);
+        return balance == 0;
     }
 
     Meeting meet(const Path& path, const Next& next, Answer& answer) const {
@@ -203,20 +274,25 @@ private:
                     return;
                 }
                 meet_with(path, next, n1, n2, normal, m);
-                // A normal interpolated over a facet may send a ray to the facet's wrong side; the facet's own cannot.
-                const Vector facet = surface.facet_normal(next.hit, normal);
-                const double way = next.hit.entering ? 1.0 : -1.0;
-                const bool back = way * dot(facet, reflected_direction(path, m)) > 0.0;
-                const bool on = m.interface.reflectance >= 1.0 || way * dot(facet, refracted_direction(path, m)) < 0.0;
-                if (!back || !on) meet_with(path, next, n1, n2, facet, m);
+                if constexpr (std::is_same_v<std::decay_t<decltype(surface)>, Mesh>)
+                    keep_sides(surface, path, next, n1, n2, m);
             },
             scene_.bodies[next.body]);
         return m;
     }
 
+    // A normal interpolated over a facet may send a ray to the facet's wrong side; the facet's own cannot.
+    static void keep_sides(const Mesh& mesh, const Path& path, const Next& next, double n1, double n2, Meeting& m) {
+        const Vector facet = mesh.facet_normal(next.hit);
+        const double way = next.hit.entering ? 1.0 : -1.0;
+        const bool back = way * dot(facet, reflected_direction(path, m)) > 0.0;
+        const bool on = m.interface.reflectance >= 1.0 || way * dot(facet, refracted_direction(path, m)) < 0.0;
+        if (!back || !on) meet_with(path, next, n1, n2, facet, m);
+    }
+
     static void meet_with(const Path& path, const Next& next, double n1, double n2, const Vector& normal, Meeting& m) {
         m.normal = next.hit.entering ? normal : -normal;
-        m.cosine = std::fmin(std::fmax(-dot(path.ray.direction, m.normal), 0.0), 1.0);
+        m.cosine = lesser(greater(-dot(path.ray.direction, m.normal), 0.0), 1.0);
         m.interface = fresnel(m.cosine, n1, n2);
     }
 

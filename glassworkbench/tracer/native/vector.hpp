@@ -5,8 +5,23 @@
 
 namespace glass {
 
+// Unlike std::fmin and std::fmax they are one instruction; of a NaN and a number they return the second.
+inline double lesser(double a, double b) { return a < b ? a : b; }
+inline double greater(double a, double b) { return a > b ? a : b; }
+
+// Copied number by number: a copy in wider registers would wait for the numbers just written.
 struct Vector {
     double x = 0.0, y = 0.0, z = 0.0;
+
+    Vector() = default;
+    Vector(double x, double y, double z) : x(x), y(y), z(z) {}
+    Vector(const Vector& o) : x(o.x), y(o.y), z(o.z) {}
+    Vector& operator=(const Vector& o) {
+        x = o.x;
+        y = o.y;
+        z = o.z;
+        return *this;
+    }
 
     double operator[](int axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
 };
@@ -65,11 +80,27 @@ struct Box {
 };
 
 // Where a ray crosses a surface. `part` and `u`, `v` say where on the surface; the surface itself knows the normal.
+// `slack` is how far along the ray it may lie from where its order among others is right: 0 but at creases.
 struct Hit {
     double t = INFINITY;
     bool entering = false;
     int part = -1;
     double u = 0.0, v = 0.0;
+    double slack = 0.0;
+
+    Hit() = default;
+    Hit(double t, bool entering, int part, double u, double v, double slack = 0.0)
+        : t(t), entering(entering), part(part), u(u), v(v), slack(slack) {}
+    Hit(const Hit& o) : t(o.t), entering(o.entering), part(o.part), u(o.u), v(o.v), slack(o.slack) {}
+    Hit& operator=(const Hit& o) {
+        t = o.t;
+        entering = o.entering;
+        part = o.part;
+        u = o.u;
+        v = o.v;
+        slack = o.slack;
+        return *this;
+    }
 };
 
 }  // namespace glass

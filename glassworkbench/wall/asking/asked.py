@@ -10,7 +10,7 @@ import numpy as np
 
 from glassworkbench.mold import Mold
 from glassworkbench.wall.asking.bore import Bore, bore_in, check_fits, points_around
-from glassworkbench.wall.asking.by_face import thickness_by_face
+from glassworkbench.wall.asking.by_face import ByFace, thickness_by_face
 from glassworkbench.wall.asking.interpolation import PeriodicGrid, smooth_step
 from glassworkbench.wall.asking.over_height import ThicknessOverHeight
 from glassworkbench.wall.asking.underside import underside_of
@@ -34,6 +34,8 @@ class AskedThickness:
         The same as a function of the height alone, where it is one; a bore is not in it.
     bore : Bore or None
         The cylinder prescribed for the inside of the finish, whatever the thickness there.
+    by_face : ByFace or None
+        The same as thicknesses of CAD faces, where it is such and there is no bore.
     """
 
     at: Callable[[np.ndarray, np.ndarray], np.ndarray]
@@ -41,6 +43,7 @@ class AskedThickness:
     maximum_mm: float
     over_height: ThicknessOverHeight | None = None
     bore: Bore | None = None
+    by_face: ByFace | None = None
 
     @property
     def bore_radius_mm(self) -> float | None:
@@ -98,7 +101,7 @@ def asked_by_face(mold: Mold, named_mm: Mapping[int, float], otherwise_mm: float
     """
     by_face = thickness_by_face(mold, named_mm, otherwise_mm)
     used = by_face.thicknesses_mm[1:]
-    return AskedThickness(by_face.at, float(used.min()), float(used.max()))
+    return AskedThickness(by_face.at, float(used.min()), float(used.max()), by_face=by_face)
 
 
 def with_bore(asked: AskedThickness, mold: Mold, diameter_mm: float) -> AskedThickness:
@@ -123,5 +126,6 @@ def with_bore(asked: AskedThickness, mold: Mold, diameter_mm: float) -> AskedThi
         at=at,
         minimum_mm=min(asked.minimum_mm, float(of_bore.min())),
         maximum_mm=max(asked.maximum_mm, float(of_bore.max())),
+        by_face=None,
         bore=bore,
     )

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from glassworkbench.errors import InputError
 from glassworkbench.scene.validate import finite
 from glassworkbench.settings import unknown_name
+from glassworkbench.wall.asking.interpolation import TURN_DEG
 from glassworkbench.wall.asking.notation import INTERPOLATIONS, text_of
 
 if TYPE_CHECKING:
@@ -33,23 +34,46 @@ def thickness_mm(value: object, field: str) -> float:
     return number
 
 
+def angle_deg(value: object, field: str) -> float:
+    """Return `value` as an angle from 0 to 360 degrees, or raise an InputError that names `field`."""
+    number = finite(value, field)
+    if not 0.0 <= number <= TURN_DEG:
+        raise InputError(f"{field}: angle {text_of(number)} deg is not within 0 to 360; add or take full turns")
+    return number
+
+
+def face_number(value: object) -> int:
+    """Return `value` as the number of a CAD face, or raise an InputError."""
+    if not isinstance(value, int) or value < 1:
+        raise InputError(f"wall Face{value}: faces are counted from 1; give a whole number from there")
+    return value
+
+
 def check_ascending(heights: tuple[float, ...]) -> None:
     """Check that the heights of a table ascend."""
     for low, high in itertools.pairwise(heights):
-        if high == low:
-            raise InputError(f"wall table: height {text_of(high)} mm is given twice; give each height once, sorted")
-        if high < low:
-            raise InputError(
-                f"wall table: height {text_of(high)} mm follows {text_of(low)} mm; sort the rows by height"
-            )
+        check_above(low, high, "wall table")
 
 
-def check_covers(heights: tuple[float, ...], anatomy: Anatomy) -> None:
-    """Check that the heights of a table reach from a mold's lowest point to its finish."""
+def check_above(low: float, high: float, field: str) -> None:
+    """Check that a height of a table lies above the one before."""
+    if high == low:
+        raise InputError(f"{field}: height {text_of(high)} mm is given twice; give each height once, sorted")
+    check_not_below(low, high, field)
+
+
+def check_not_below(low: float, high: float, field: str) -> None:
+    """Check that a height of a table does not lie below the one before."""
+    if high < low:
+        raise InputError(f"{field}: height {text_of(high)} mm follows {text_of(low)} mm; sort the rows by height")
+
+
+def check_covers(heights: tuple[float, ...], anatomy: Anatomy, file: str) -> None:
+    """Check that the heights of a table, perhaps from a file, reach from a mold's lowest point to its finish."""
     height, low, high = anatomy.finish_height_mm, heights[0], heights[-1]
     if low > COVER_SLACK * height or high < (1.0 - COVER_SLACK) * height:
         raise InputError(
-            f"wall table: it covers heights {low:g} to {high:g} mm, but the container reaches from 0 to "
+            f"{file or 'wall table'}: it covers heights {low:g} to {high:g} mm, but the container reaches from 0 to "
             f"{height:g} mm; add rows for the rest"
         )
 

@@ -6,7 +6,7 @@ The text of each, `str(thickness)`, is what `thickness_text.parse_thickness` rea
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,7 +15,13 @@ from glassworkbench.errors import GlassWorkbenchError, InputError
 from glassworkbench.scene.validate import finite, positive
 from glassworkbench.settings import unknown_name
 from glassworkbench.wall.asking.asked import AskedThickness, asked_by_face, asked_over_height, with_bore
-from glassworkbench.wall.asking.limits import check_ascending, check_covers, check_interpolation, thickness_mm
+from glassworkbench.wall.asking.limits import (
+    check_ascending,
+    check_covers,
+    check_interpolation,
+    face_number,
+    thickness_mm,
+)
 from glassworkbench.wall.asking.notation import text_of, with_interpolation
 from glassworkbench.wall.asking.over_height import ThicknessOverHeight
 from glassworkbench.wall.asking.thickness_grid import GridThickness
@@ -24,6 +30,7 @@ if TYPE_CHECKING:
     from glassworkbench.mold import Anatomy, Mold
 
 REGIONS = ("finish", "neck", "shoulder", "body", "stem", "heel", "base")
+"""From top to bottom; a mold has some of them."""
 
 BLEND_SHARE = 0.25
 """A region hands over to its neighbour within this share of its own height."""
@@ -60,6 +67,8 @@ class TabulatedThickness:
         At least two rows, heights ascending from the lowest point of the container; they must reach its finish.
     interpolation : {"smooth", "linear"}
         Smooth is monotone and piecewise cubic: it never leaves the range of the two rows it lies between.
+    file : str
+        The name of the file it was read from, for messages; empty for none. Tables that differ in it alone are equal.
 
     Raises
     ------
@@ -70,6 +79,7 @@ class TabulatedThickness:
     heights_mm: tuple[float, ...]
     thicknesses_mm: tuple[float, ...]
     interpolation: str = "smooth"
+    file: str = field(default="", compare=False)
 
     def __post_init__(self) -> None:
         heights = tuple(finite(height, "wall height_mm") for height in self.heights_mm)
@@ -102,7 +112,7 @@ class TabulatedThickness:
         InputError
             If the table does not reach from the mold's lowest point to its finish.
         """
-        check_covers(self.heights_mm, anatomy)
+        check_covers(self.heights_mm, anatomy, self.file)
         return ThicknessOverHeight(np.array(self.heights_mm), np.array(self.thicknesses_mm), self.interpolation)
 
 
@@ -151,12 +161,13 @@ class RegionalThickness:
         asked = dict(self.regions)
         for name in asked:
             if name not in anatomy.regions:
-                raise InputError(f"wall {name}: the mold has no {name}; it has {', '.join(anatomy.regions)}")
+                raise InputError(f"wall {name}: the mold has no {name}; it has {', '.join(reversed(anatomy.regions))}")
         hollow = {name: ends for name, ends in anatomy.regions.items() if ends[1] > anatomy.stem_top_mm}
         walls = sorted((low, high, asked[name]) for name, (low, high) in hollow.items() if name in asked)
         if not walls:
+            others = ", ".join(reversed(hollow))
             raise InputError(
-                f"wall: {' and '.join(asked)} of a stemmed glass stay solid; give the thickness of {', '.join(hollow)}"
+                f"wall: {' and '.join(asked)} of a stemmed glass stay solid; give the thickness of {others}"
             )
         rows: dict[float, float] = {}
         for low, high, value in walls:
@@ -189,8 +200,7 @@ class FaceThickness:
             raise InputError("wall: no face is named; give one like Face12=4, or one number for all")
         numbers = [number for number, _ in pairs]
         for number in numbers:
-            if not isinstance(number, int) or number < 1:
-                raise InputError(f"wall Face{number}: faces are counted from 1; give a whole number")
+            face_number(number)
             if numbers.count(number) > 1:
                 raise InputError(f"wall Face{number}: given twice; give it once")
         faces = tuple((number, thickness_mm(value, f"wall Face{number}")) for number, value in pairs)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,7 +13,14 @@ from glassworkbench.errors import GlassWorkbenchError, InputError
 from glassworkbench.scene.validate import finite
 from glassworkbench.wall.asking.asked import AskedThickness, asked_by_angle
 from glassworkbench.wall.asking.interpolation import TURN_DEG, PeriodicGrid
-from glassworkbench.wall.asking.limits import check_ascending, check_covers, check_interpolation, thickness_mm
+from glassworkbench.wall.asking.limits import (
+    angle_deg,
+    check_ascending,
+    check_covers,
+    check_interpolation,
+    check_not_below,
+    thickness_mm,
+)
 from glassworkbench.wall.asking.notation import text_of, with_interpolation
 from glassworkbench.wall.asking.over_height import ThicknessOverHeight
 
@@ -38,6 +45,8 @@ class GridThickness:
         A row for each height, with a thickness for each angle.
     interpolation : {"smooth", "linear"}
         Smooth is bicubic and never leaves the range of the four values around; see `interpolation.PeriodicGrid`.
+    file : str
+        The name of the file it was read from, for messages; empty for none. Grids that differ in it alone are equal.
 
     Raises
     ------
@@ -50,10 +59,11 @@ class GridThickness:
     angles_deg: tuple[float, ...]
     thicknesses_mm: tuple[tuple[float, ...], ...]
     interpolation: str = "smooth"
+    file: str = field(default="", compare=False)
 
     def __post_init__(self) -> None:
         heights = tuple(finite(height, "wall height_mm") for height in self.heights_mm)
-        angles = tuple(finite(angle, "wall angle_deg") for angle in self.angles_deg)
+        angles = tuple(angle_deg(angle, "wall grid") for angle in self.angles_deg)
         rows = tuple(tuple(thickness_mm(value, "wall thickness_mm") for value in row) for row in self.thicknesses_mm)
         if len(rows) != len(heights) or any(len(row) != len(angles) for row in rows):
             raise InputError(
@@ -62,11 +72,6 @@ class GridThickness:
         if len(heights) < 2:
             raise InputError("wall grid: it needs at least two heights; repeat the row where the wall is the same")
         check_ascending(heights)
-        for angle in angles:
-            if not 0.0 <= angle <= TURN_DEG:
-                raise InputError(
-                    f"wall grid: angle {text_of(angle)} deg is not within 0 to 360; add or take full turns"
-                )
         for low, high in itertools.pairwise(angles):
             if high <= low:
                 raise InputError(
@@ -81,8 +86,23 @@ class GridThickness:
         object.__setattr__(self, "thicknesses_mm", rows)
 
     @classmethod
-    def from_points(cls, points: Iterable[tuple[float, float, float]], interpolation: str = "smooth") -> GridThickness:
+    def from_points(
+        cls,
+        points: Iterable[tuple[float, float, float]],
+        interpolation: str = "smooth",
+        places: Iterable[str] = itertools.repeat("wall grid"),
+        file: str = "",
+    ) -> GridThickness:
         """Return the grid that points (height_mm, angle_deg, thickness_mm) make, given row after row.
+
+        Parameters
+        ----------
+        points : iterable of (float, float, float)
+        interpolation : {"smooth", "linear"}
+        places : iterable of str
+            What messages call each point.
+        file : str
+            The name of the file that all are from; empty for none.
 
         Raises
         ------
@@ -90,31 +110,34 @@ class GridThickness:
             If the rows are not sorted by height, or one lacks an angle that another has; else as the class.
         """
         rows: dict[float, dict[float, float]] = {}
+        first_place: dict[float, str] = {}
         previous = -np.inf
-        for height, angle, thickness in points:
-            height, angle = finite(height, "wall height_mm"), finite(angle, "wall angle_deg")
-            if height < previous:
-                check_ascending((previous, height))
+        for (height, angle, thickness), place in zip(points, places, strict=False):
+            height, angle = finite(height, f"{place}, height_mm"), angle_deg(angle, f"{place}, angle_deg")
+            check_not_below(previous, height, place)
             previous = height
             row = rows.setdefault(height, {})
+            first_place.setdefault(height, place)
             if angle in row:
                 raise InputError(
-                    f"wall grid: height {text_of(height)} mm, angle {text_of(angle)} deg is given twice; give it once"
+                    f"{place}: height {text_of(height)} mm, angle {text_of(angle)} deg is given twice; give it once"
                 )
-            row[angle] = thickness
+            row[angle] = thickness_mm(thickness, f"{place}, thickness_mm")
+            _check_full_turn(height, row.get(0.0), row.get(TURN_DEG), place)
         angles = sorted({angle for row in rows.values() for angle in row})
         for height, row in rows.items():
             for angle in angles:
                 if angle not in row:
                     raise InputError(
-                        f"wall grid: height {text_of(height)} mm lacks angle {text_of(angle)} deg, which another "
-                        "height has; give every height the same angles"
+                        f"{first_place[height]}: height {text_of(height)} mm lacks angle {text_of(angle)} deg, which "
+                        "another height has; give every height the same angles"
                     )
         return cls(
             tuple(rows),
             tuple(angles),
             tuple(tuple(row[angle] for angle in angles) for row in rows.values()),
             interpolation,
+            file,
         )
 
     def __str__(self) -> str:
@@ -133,7 +156,7 @@ class GridThickness:
         InputError
             If the grid does not reach from the mold's lowest point to its finish.
         """
-        check_covers(self.heights_mm, mold.anatomy)
+        check_covers(self.heights_mm, mold.anatomy, self.file)
         arrays = map(np.array, (self.heights_mm, self.angles_deg, self.thicknesses_mm))
         return asked_by_angle(mold, PeriodicGrid(*arrays, smooth=self.interpolation == "smooth"))
 
@@ -151,9 +174,14 @@ def _within_one_turn(
     if angles[0] > 0.0:
         return (0.0, *angles[:-1]), tuple((row[-1], *row[:-1]) for row in rows)
     for height, row in zip(heights, rows, strict=True):
-        if row[0] != row[-1]:
-            raise InputError(
-                f"wall grid: at height {text_of(height)} mm, 0 deg has {text_of(row[0])} mm but 360 deg, "
-                f"the same angle, {text_of(row[-1])} mm; leave one out"
-            )
+        _check_full_turn(height, row[0], row[-1], "wall grid")
     return angles[:-1], tuple(row[:-1] for row in rows)
+
+
+def _check_full_turn(height: float, at_0: float | None, at_360: float | None, place: str) -> None:
+    """Check that 0 and 360 degrees have the same thickness, where a height has both."""
+    if at_0 is not None and at_360 is not None and at_0 != at_360:
+        raise InputError(
+            f"{place}: at height {text_of(height)} mm, 0 deg has {text_of(at_0)} mm but 360 deg, "
+            f"the same angle, {text_of(at_360)} mm; leave one out"
+        )

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 
 from glassworkbench.errors import InputError
-from glassworkbench.settings import unknown_name
+from glassworkbench.settings import nearest_name
+from glassworkbench.wall.asking.limits import face_number
 from glassworkbench.wall.asking.notation import INTERPOLATIONS, number_in
 from glassworkbench.wall.asking.thickness import (
     REGIONS,
@@ -20,7 +22,7 @@ from glassworkbench.wall.asking.thickness import (
 from glassworkbench.wall.asking.thickness_table import read_thickness_table
 
 
-def parse_thickness(text: str) -> Thickness:
+def parse_thickness(text: str, regions: Sequence[str] = REGIONS) -> Thickness:
     """Read a wall specification.
 
     Parameters
@@ -31,6 +33,8 @@ def parse_thickness(text: str) -> Thickness:
         (height:thickness) or ``0@0:5 0@180:4 300@0:3 300@180:2`` (height@angle:thickness). A table may end in
         ``linear``, and all may have a bore, ``bore=18.5``.
         ``parse_thickness(str(thickness)) == thickness`` for every thickness.
+    regions : sequence of str
+        Those that there are, top down; where the mold is known, its own.
 
     Raises
     ------
@@ -47,7 +51,7 @@ def parse_thickness(text: str) -> Thickness:
         raise InputError("wall bore: given twice; give it once")
     if not text:
         raise InputError("wall: a bore alone says nothing of the rest; give a thickness, too, like 3 bore=18.5")
-    wall = _wall(text, interpolations)
+    wall = _wall(text, interpolations, regions)
     return BoredThickness(wall, number_in(bores[0], "wall bore")) if bores else wall
 
 
@@ -57,7 +61,7 @@ def table_file(text: str) -> str | None:
     return _ending(text)[0][1:].strip() if text.startswith("@") else None
 
 
-def _wall(text: str, interpolations: list[str]) -> Thickness:
+def _wall(text: str, interpolations: list[str], regions: Sequence[str]) -> Thickness:
     if text.startswith("@"):
         return read_thickness_table(text[1:].strip(), *interpolations[:1])
     words = text.split()
@@ -65,7 +69,7 @@ def _wall(text: str, interpolations: list[str]) -> Thickness:
         interpolation = words.pop() if words[-1] in INTERPOLATIONS else "smooth"
         return _grid(words, interpolation) if "@" in words[0] else _table(words, interpolation)
     if any("=" in word for word in words):
-        return _by_name(words)
+        return _by_name(words, regions)
     return UniformThickness(number_in(text, "wall"))
 
 
@@ -107,7 +111,7 @@ def _grid(words: list[str], interpolation: str) -> GridThickness:
     return GridThickness.from_points(points, interpolation)
 
 
-def _by_name(words: list[str]) -> RegionalThickness | FaceThickness:
+def _by_name(words: list[str], known: Sequence[str]) -> RegionalThickness | FaceThickness:
     regions, faces, others = [], [], []
     for word in words:
         name, equals, value = word.partition("=")
@@ -115,10 +119,10 @@ def _by_name(words: list[str]) -> RegionalThickness | FaceThickness:
             raise InputError(f"wall {word!r}: expected region=thickness, like body=2")
         face = re.fullmatch(r"Face(\d+)", name)
         if not face and name not in (*REGIONS, "else"):
-            raise unknown_name("wall region", name, (*REGIONS, "Face1", "else", "bore"))
+            raise _unknown_region(name, known)
         thickness = number_in(value, f"wall {name}")
         if face:
-            faces.append((int(face[1]), thickness))
+            faces.append((face_number(int(face[1])), thickness))
         elif name == "else":
             others.append(thickness)
         else:
@@ -132,3 +136,14 @@ def _by_name(words: list[str]) -> RegionalThickness | FaceThickness:
     if not others:
         raise InputError("wall: the faces that are not named have no thickness; add one for all others, like else=2")
     return FaceThickness(tuple(faces), others[0])
+
+
+def _unknown_region(name: str, regions: Sequence[str]) -> InputError:
+    number = re.search(r"\d+", name)
+    meant = nearest_name(name, (*regions, f"Face{number[0]}" if number else "Face", "else", "bore"))
+    hint = (
+        f"there is {', '.join(regions)}; faces are Face1, Face2 and so on, with else= for all others"
+        if meant is None
+        else f"did you mean {meant!r}?"
+    )
+    return InputError(f"wall region {name!r} is not known; {hint}")

@@ -103,13 +103,19 @@ def chosen_angles(clearance: Clearance, floor_mm: float, finish_mm: float, count
 
 
 def trace(
-    clearance: Clearance, angles: np.ndarray, floor_mm: float, finish_mm: float, step_mm: float
+    clearance: Clearance,
+    distance: Clearance,
+    angles: np.ndarray,
+    floor_mm: float,
+    finish_mm: float,
+    step_mm: float,
 ) -> list[np.ndarray]:
     """Return, for each angle, the curve's points (r mm, z mm) from the axis to just above the finish plane.
 
     Parameters
     ----------
-    clearance : callable
+    clearance, distance : callable
+        `Outside.clearance` and `Outside.distance`.
     angles : array (n,)
         Of the half-planes, rad.
     floor_mm : float
@@ -121,7 +127,7 @@ def trace(
     Raises
     ------
     InputError
-        If a curve comes back to the axis below the mouth.
+        If a curve comes back to the axis below the mouth; it says where, and how thick the wall may be there.
     GlassWorkbenchError
         If a curve is lost, or never reaches the mouth.
 
@@ -148,7 +154,11 @@ def trace(
         back = running & (last[:, 0] < 0.0) & (len(points) > 3)
         if back.any():
             row = np.flatnonzero(back)[0]
-            raise InputError(f"wall: the walls meet {_place(angles[row], last[row])} and part the cavity; thin it")
+            on_axis = distance(np.array([[0.0, 0.0, last[row, 1]]])).distance_mm[0]
+            raise InputError(
+                f"wall: the walls meet {_place(angles[row], last[row])} and part the cavity; there they may be at most "
+                f"{on_axis:.2f} mm thick"
+            )
         running = running & (last[:, 1] < finish_mm)
         if len(points) > most:
             row = np.flatnonzero(running)[0]

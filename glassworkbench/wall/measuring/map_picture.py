@@ -19,6 +19,9 @@ ENDINGS = (".png", ".svg", ".pdf")
 VIEWS = (("front", 0.0, 8.0), ("side", 90.0, 8.0), ("from below", 0.0, -50.0))
 """Name, azimuth and elevation (deg) from which the container is seen."""
 
+TURNED_AWAY = -0.3
+"""Triangles that are turned away from the viewer by less than this (cosine) are drawn."""
+
 PALETTE = "viridis"
 NO_WALL = (0.86, 0.86, 0.88)
 
@@ -36,7 +39,7 @@ def check_picture(path: str | Path) -> Path:
     except ImportError as error:
         raise InputError(
             "a map of the wall needs matplotlib, which this Python lacks; "
-            "install it (Debian: python3-matplotlib), or leave --map away"
+            "install it (Debian: python3-matplotlib), or do without the map"
         ) from error
     return check_writable(path, ENDINGS)
 
@@ -71,7 +74,7 @@ def save_picture(wall_map: WallMap, title: str, path: str | Path) -> None:
 
 
 def _draw_view(axis: Axes, wall_map: WallMap, colours: object, azimuth_deg: float, elevation_deg: float) -> float:
-    """Draw the triangles that face the viewer, far ones first; return half the width that they take."""
+    """Draw the triangles that face the viewer or nearly so, far ones first; return half the width that they take."""
     from matplotlib.collections import PolyCollection
 
     turn, rise = np.radians(azimuth_deg), np.radians(elevation_deg)
@@ -80,7 +83,8 @@ def _draw_view(axis: Axes, wall_map: WallMap, colours: object, azimuth_deg: floa
     up = np.cross(toward, right)
     normals = wall_map.normals.mean(axis=1)
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
-    seen = np.flatnonzero(normals @ toward > 0.0)
+    # What is turned away a little fills the notches that the silhouette's triangles would leave; it is drawn first.
+    seen = np.flatnonzero(normals @ toward > TURNED_AWAY)
     seen = seen[np.argsort(wall_map.corners_mm[seen].mean(axis=1) @ toward)]
     corners = wall_map.corners_mm[seen]
     flat = np.stack([corners @ right, corners @ up], axis=2)
@@ -91,7 +95,10 @@ def _draw_view(axis: Axes, wall_map: WallMap, colours: object, azimuth_deg: floa
     light = toward - 0.5 * right + 0.6 * up
     shade = 0.78 + 0.22 * np.clip(normals[seen] @ (light / np.linalg.norm(light)), 0.0, 1.0)
     colour = colour * shade[:, None]
-    axis.add_collection(PolyCollection(flat, facecolors=colour, edgecolors=colour, linewidths=0.3, rasterized=True))
+    patches = PolyCollection(flat, facecolors=colour, edgecolors=colour, linewidths=0.4, rasterized=True)
+    # Moved to whole pixels, upright sides would step out of the silhouette.
+    patches.set_snap(False)
+    axis.add_collection(patches)
     axis.set_aspect("equal", adjustable="box", anchor="C")
     axis.autoscale_view()
     axis.margins(0.02)

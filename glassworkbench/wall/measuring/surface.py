@@ -38,6 +38,23 @@ def spread(mesh: Mesh, wanted: np.ndarray, count: int) -> np.ndarray:
     return surface_points(mesh, chosen, np.column_stack([1.0 - u - v, u, v]))
 
 
+def at_level(mesh: Mesh, wanted: np.ndarray, height_mm: float, count: int) -> np.ndarray:
+    """Return points of the surface, `count` at most, where sides of the wanted triangles (m,) cross a height."""
+    heights = mesh.vertices_mm[mesh.triangles, 2]
+    start, end = np.array(SIDES).T
+    # Of the two triangles at a side, one goes up along it.
+    rising = wanted[:, None] & (heights[:, start] < height_mm) & (heights[:, end] >= height_mm)
+    triangle, side = np.nonzero(rising)
+    chosen = np.unique(np.linspace(0, len(triangle) - 1, count).round().astype(int)) if len(triangle) else []
+    triangle, side = triangle[chosen], side[chosen]
+    low, high = heights[triangle, start[side]], heights[triangle, end[side]]
+    along = (height_mm - low) / (high - low)
+    shares = np.zeros((len(triangle), 3))
+    row = np.arange(len(triangle))
+    shares[row, start[side]], shares[row, end[side]] = 1.0 - along, along
+    return surface_points(mesh, triangle, shares)
+
+
 def surface_area(mesh: Mesh, wanted: np.ndarray | None = None) -> float:
     """Return the area (mm^2) of the surface behind the wanted triangles (m,) of a mesh, or behind all.
 

@@ -10,9 +10,9 @@ from glassworkbench.mold import Mold
 from glassworkbench.mold.tessellation import MOUTH, outside_mesh
 from glassworkbench.scene import Mesh
 from glassworkbench.spatial import NearestTriangles
-from glassworkbench.wall.measuring.measure import points_on_wall, wall_at
+from glassworkbench.wall.measuring.measure import LEVEL_MM, in_finish_plane, wall_at
 from glassworkbench.wall.measuring.outside import Outside, halved
-from glassworkbench.wall.measuring.surface import facets
+from glassworkbench.wall.measuring.surface import at_level, facets
 
 DEVIATION_MM = 0.05
 """Of the triangles that carry the colours."""
@@ -20,8 +20,8 @@ DEVIATION_MM = 0.05
 SIDE_SHARE = 0.012
 """No side of a coloured triangle is longer than this share of the container's height."""
 
-PROFILE_POINTS = 12_000
-LEVELS = 120
+LEVELS, POINTS_AROUND = 200, 120
+"""Heights at which the wall is told, and points of the inside at each."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,13 +108,18 @@ def _short_sided(
 
 
 def _over_height(mold: Mold, inside: Mesh, wall: Outside) -> WallOverHeight:
-    found = wall_at(points_on_wall(inside, PROFILE_POINTS), wall, stem_top_mm=mold.anatomy.stem_top_mm)
-    level = (found.points_mm[:, 2] / wall.finish_height_mm * LEVELS).astype(int)
-    order = np.argsort(level, kind="stable")
-    starts = np.flatnonzero(np.diff(level[order], prepend=-1))
+    # On a rounded lip, and as far below as it reaches inside, the wall is not what was asked.
+    top = wall.finish_height_mm
+    if wall.lip_height_mm < top - LEVEL_MM:
+        top = wall.lip_height_mm - float(wall.thickness_mm[wall.collar].max())
+    heights = (np.arange(LEVELS) + 0.5) / LEVELS * top
+    wanted = ~in_finish_plane(inside)
+    around = [at_level(inside, wanted, height, POINTS_AROUND) for height in heights]
+    counts = np.array([len(points) for points in around])
+    found = wall_at(np.concatenate(around), wall, stem_top_mm=mold.anatomy.stem_top_mm)
+    starts = (np.cumsum(counts) - counts)[counts > 0]
 
-    def around(values: np.ndarray) -> np.ndarray:
-        return np.column_stack([extreme.reduceat(values[order], starts) for extreme in (np.minimum, np.maximum)])
+    def extremes(values: np.ndarray) -> np.ndarray:
+        return np.column_stack([extreme.reduceat(values, starts) for extreme in (np.minimum, np.maximum)])
 
-    heights = (level[order][starts] + 0.5) / LEVELS * wall.finish_height_mm
-    return WallOverHeight(heights, around(found.distance_mm), around(found.asked_mm))
+    return WallOverHeight(heights[counts > 0], extremes(found.distance_mm), extremes(found.asked_mm))

@@ -1,1 +1,1 @@
-"""The methods of hollowing, one file each; all take a mold and a wall and hand over a candidate."""
+"""The methods of hollowing, one file each; every one is a `candidate.Method`."""

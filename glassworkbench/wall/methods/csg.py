@@ -34,23 +34,7 @@ NOT_SAVED = "it is an outside minus another body, without a solid of its own, so
 
 
 def csg(mold: Mold, asked: AskedThickness, wall: Outside, seconds: float) -> Candidate:
-    """Give any outside, a mesh too, a round inside: the largest that leaves the wall asked everywhere.
-
-    Parameters
-    ----------
-    mold : Mold
-    asked : AskedThickness
-    wall : Outside
-    seconds : float
-        Not needed: it takes a few.
-
-    Raises
-    ------
-    InputError
-        If the wall fills the mold on its axis; the message says where, and how much fits.
-    GlassWorkbenchError
-        If no round cavity reaches from the base to the mouth.
-    """
+    """Give any outside, a mesh too, a round inside: the largest that leaves the wall asked everywhere."""
     anatomy, height = mold.anatomy, wall.finish_height_mm
     floor = anatomy.stem_top_mm + asked.maximum_mm if anatomy.stem_top_mm > 0.0 else -np.inf
     room = Room(wall, height, floor)
@@ -65,7 +49,19 @@ def csg(mold: Mold, asked: AskedThickness, wall: Outside, seconds: float) -> Can
     inside = turned_mesh(np.concatenate([chain, lid[None]]), (*runs, (len(chain), len(chain) + 1)), DEVIATION_MM)
     top = height + PAST_MOUTH_MM
     above = [line(end, np.array([end[0], top])), line(np.array([end[0], top]), np.array([0.0, top]))]
-    return Candidate(None, Revolved(np.concatenate([chain, above])), inside, (NOT_SAVED,))
+    notes = (NOT_SAVED,) if anatomy.is_revolved else (_told_thicker(wall, inside), NOT_SAVED)
+    return Candidate(None, Revolved(np.concatenate([chain, above])), inside, notes)
+
+
+def _told_thicker(wall: Outside, inside: Mesh) -> str:
+    """Return how much thicker than asked the wall is, at most, as the outside is not as round as the inside."""
+    points = inside.vertices_mm[inside.vertices_mm[:, 2] < wall.lip_height_mm - LEVEL_MM]
+    excess = wall.clearance(points).clearance_mm
+    thickest = int(np.argmax(excess))
+    return (
+        f"the inside is round and the outside is not: the wall is up to {excess[thickest]:.2g} mm thicker than asked, "
+        f"most at height {points[thickest, 2]:.1f} mm"
+    )
 
 
 def csg_with(mold: Mold, cavity: Surface) -> Candidate:

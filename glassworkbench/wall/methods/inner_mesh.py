@@ -36,33 +36,26 @@ TRIANGLES = 90_000
 COARSEST_SHARE = 0.9
 """The grid's step, as a share of the thinnest wall, at most: no cell may reach from one side of a wall to the other."""
 
-SEARCHES = 8.0
+SEARCHES = 26.0
 """Searches for nearest points that one square step of the outside takes in all."""
 
-TIME_SHARE = 0.5
-"""The share of the time given that is planned for, as the machine may have other work."""
+TIME_SHARE = 0.4
+"""The share of the time given that a grid finer than the coarsest is planned for: the machine may have other work, and
+numbers are to be juggled between the searches."""
 
-PILOT = 500
-"""Points that the time of a search is taken from."""
+PILOT, PILOTS = 500, 3
+"""Points that the time of a search is taken from, and how often: the quickest counts, for caches have to be filled."""
 
 
 def inner_mesh(mold: Mold, asked: AskedThickness, wall: Outside, seconds: float) -> Candidate:
-    """Return the cavity of a mold as a mesh, whatever its shape.
-
-    Parameters
-    ----------
-    mold : Mold
-    asked : AskedThickness
-    wall : Outside
-    seconds : float
-        The grid is made coarser where it would take longer.
+    """Return the cavity of a mold as a mesh, whatever its shape; the less time there is, the coarser.
 
     Raises
     ------
     InputError
-        If the wall asked leaves no cavity that reaches the mouth; the message says where, and how much fits.
+        If the wall asked leaves no cavity that reaches the mouth.
     GlassWorkbenchError
-        If the time is too short for a grid that tells the two sides of the wall apart.
+        If the time is certainly too short for a grid that tells the two sides of the wall apart.
     """
     begin = time.monotonic()
     deviation = max(TOLERANCE_SHARE * asked.minimum_mm, TOLERANCE_MM)
@@ -161,13 +154,19 @@ def _step(wall: Outside, asked: AskedThickness, seconds: float) -> float:
     inward = feet * np.array([0.9, 0.9, 1.0])
     # The first search also builds the tree.
     wall.clearance(inward[:1])
-    begin = time.monotonic()
-    wall.clearance(inward)
-    each = (time.monotonic() - begin) / PILOT
-    affordable = np.sqrt(SEARCHES * area * each / (TIME_SHARE * max(seconds, 1e-3)))
-    if affordable > COARSEST_SHARE * asked.minimum_mm:
-        needed = SEARCHES * area * each / (COARSEST_SHARE * asked.minimum_mm) ** 2 / TIME_SHARE
+    searching = SEARCHES * area * min(_pilot(wall, inward) for _ in range(PILOTS))
+    coarsest = COARSEST_SHARE * asked.minimum_mm
+    if searching / coarsest**2 > seconds:
         raise GlassWorkbenchError(
-            f"a wall of {asked.minimum_mm:.3g} mm needs a grid that takes about {needed:.0f} s; give it more time"
+            f"a wall of {asked.minimum_mm:.3g} mm needs a grid that takes about "
+            f"{searching / coarsest**2 / TIME_SHARE:.0f} s; give it more time"
         )
-    return max(wanted, affordable)
+    affordable = np.sqrt(searching / (TIME_SHARE * seconds))
+    return min(max(wanted, affordable), coarsest)
+
+
+def _pilot(wall: Outside, points: np.ndarray) -> float:
+    """Return how long a search takes, in seconds."""
+    begin = time.monotonic()
+    wall.clearance(points)
+    return (time.monotonic() - begin) / len(points)

@@ -59,21 +59,12 @@ OUTER_POINTS, OTHER_PART_SHARE = 4000, 0.25
 
 
 def lofted(mold: Mold, asked: AskedThickness, wall: Outside, seconds: float) -> Candidate:
-    """Return a container whose cavity is one smooth surface about the axis.
-
-    Parameters
-    ----------
-    mold : Mold
-    asked : AskedThickness
-    wall : Outside
-        The mold's outside with the thickness asked.
-    seconds : float
-        The grid is refined, and the solid cut, no longer than this.
+    """Return a container whose cavity is one smooth surface about the axis, refined as long as time allows.
 
     Raises
     ------
     InputError
-        If the walls meet, so that the cavity is parted or vanishes; it says where, and how much is possible.
+        If the walls meet, so that the cavity is parted or vanishes.
     GlassWorkbenchError
         If a half-plane through the axis meets the wanted inner surface in more than one curve.
     """
@@ -85,7 +76,7 @@ def lofted(mold: Mold, asked: AskedThickness, wall: Outside, seconds: float) -> 
     floor = floor_height(wall.clearance, wall.distance, base, finish)
     angles = chosen_angles(wall.clearance, floor, finish, HALF_PLANES)
     step = (finish - floor + anatomy.maximum_radius_mm) / STEPS
-    meridians = aligned(trace(wall.clearance, angles, floor, finish, step), finish, ROWS)
+    meridians = aligned(trace(wall.clearance, wall.distance, angles, floor, finish, step), finish, ROWS)
     across = np.column_stack([np.cos(angles), np.sin(angles)])
     behind = _behind_embossing(wall)
     hidden = behind(wall.clearance(_in_space(meridians, across).reshape(-1, 3))).reshape(meridians.shape[:2])

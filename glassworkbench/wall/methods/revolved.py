@@ -31,22 +31,12 @@ THINNEST_SHARE = 0.5
 def revolved(mold: Mold, asked: AskedThickness, wall: Outside, seconds: float) -> Candidate:
     """Hollow a mold that is round but for threads and embossing, which do not show inside.
 
-    Parameters
-    ----------
-    mold : Mold
-    asked : AskedThickness
-        Must be one of the height, but for a bore.
-    wall : Outside
-        Tells how much glass is left behind embossing.
-    seconds : float
-        Not needed: it takes about one.
-
     Raises
     ------
     InputError
         If the wall fills the container, or nothing smooth leads to the bore.
     GlassWorkbenchError
-        If the mold or the wall asked is not round, or embossing goes through the wall.
+        If the mold or, but for a bore, the wall asked is not round, or embossing goes through the wall.
     """
     anatomy = mold.anatomy
     if asked.over_height is None:

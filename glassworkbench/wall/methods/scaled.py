@@ -19,21 +19,7 @@ from glassworkbench.wall.solids import SEWING_MM, hollow_solid
 
 
 def scaled(mold: Mold, asked: AskedThickness, wall: Outside, seconds: float) -> Candidate:
-    """Scale the mold by one factor, so that the wall is as asked where it is widest.
-
-    Parameters
-    ----------
-    mold : Mold
-    asked : AskedThickness
-    wall : Outside
-    seconds : float
-        Not needed: it takes about one.
-
-    Raises
-    ------
-    InputError
-        If the wall asked is as thick as the mold.
-    """
+    """Scale the mold by one factor, so that the wall is as asked where it is widest."""
     points, thickness = _glass(wall)
     from_axis = np.hypot(points[:, 0], points[:, 1])
     widest = int(np.argmax(from_axis))
@@ -42,21 +28,7 @@ def scaled(mold: Mold, asked: AskedThickness, wall: Outside, seconds: float) -> 
 
 
 def scaled_per_axis(mold: Mold, asked: AskedThickness, wall: Outside, seconds: float) -> Candidate:
-    """Scale the mold along each axis by itself, so that the wall is as asked on all sides and under the base.
-
-    Parameters
-    ----------
-    mold : Mold
-    asked : AskedThickness
-    wall : Outside
-    seconds : float
-        Not needed: it takes about one.
-
-    Raises
-    ------
-    InputError
-        If the wall asked is as thick as the mold.
-    """
+    """Scale the mold along each axis by itself, so that the wall is as asked on all sides and under the base."""
     points, thickness = _glass(wall)
     low, high = points.min(axis=0), points.max(axis=0)
     middle = 0.5 * (low + high)

@@ -12,7 +12,8 @@ from glassworkbench.errors import GlassWorkbenchError, InputError
 from glassworkbench.freecad import Part
 from glassworkbench.mold import Anatomy, Mold, tessellate
 from glassworkbench.wall.asking.asked import AskedThickness
-from glassworkbench.wall.candidate import Candidate
+from glassworkbench.wall.asking.by_face import ByFace
+from glassworkbench.wall.candidate import Candidate, NoCandidateError
 from glassworkbench.wall.measuring.outside import DEVIATION_MM, Outside
 from glassworkbench.wall.offsetting.offset_solid import offset_solid
 from glassworkbench.wall.offsetting.offset_ways import WAYS
@@ -154,7 +155,6 @@ def _first_good(
     tries: list[str],
 ) -> list[Part.Shape]:
     """Return what a job makes of the outside by the first good way; every outcome is added to the tries."""
-    first = len(tries)
     for way in WAYS:
         left = deadline - time.monotonic()
         label = f"{arguments['thickness_mm']:g} mm"
@@ -169,30 +169,45 @@ def _first_good(
         else:
             tries.append(f"{label}, {way}: good")
             return shapes
-    raise GlassWorkbenchError("; ".join(dict.fromkeys(tries[first:])))
+    raise NoCandidateError(f"none of OCC's ways leads to it, the last: {tries[-1]}", tuple(tries))
 
 
 def thick_solid(mold: Mold, asked: AskedThickness, wall: Outside, seconds: float) -> Candidate:
-    """Return the container that OCC's offset makes of a mold; a wall that varies over the height becomes zones.
+    """Return the container that OCC's offset makes of a mold.
+
+    A wall that varies over the height becomes zones; one that steps from face to face is made by moving those faces.
 
     Raises
     ------
     GlassWorkbenchError
-        If the mold is a mesh, the wall varies otherwise or too much for zones, or no way leads to it.
+        If the mold is a mesh, the wall varies otherwise or too much for zones, a face with a wall of its own is not
+        planar or has no sharp edges, or no way leads to it; a `NoCandidateError` tells of all ways.
     """
     if mold.upright is None:
         raise GlassWorkbenchError("OCC offsets the faces of CAD files only, and the mold is a mesh")
+    made = _by_zones(mold, asked, seconds) if asked.by_face is None else _by_face(mold, asked.by_face, seconds)
+    return Candidate(made.solid, made.past_mouth, tessellate(made.cavity, DEVIATION_MM), details=made.tries)
+
+
+def _by_zones(mold: Mold, asked: AskedThickness, seconds: float) -> ThickWall:
     if asked.over_height is None:
-        raise GlassWorkbenchError("OCC offsets by one thickness, and the wall asked varies with angle or face")
-    anatomy = mold.anatomy
-    made = thick_wall(
-        mold.upright,
-        anatomy.finish_face,
-        _zones(asked, anatomy),
-        None if asked.bore_radius_mm is None else 2.0 * asked.bore_radius_mm,
-        seconds,
-    )
-    return Candidate(made.solid, made.past_mouth, tessellate(made.cavity, DEVIATION_MM))
+        raise GlassWorkbenchError("OCC offsets by one thickness, and the wall asked varies otherwise than by height")
+    bore_mm = None if asked.bore_radius_mm is None else 2.0 * asked.bore_radius_mm
+    return thick_wall(mold.upright, mold.anatomy.finish_face, _zones(asked, mold.anatomy), bore_mm, seconds)
+
+
+def _by_face(mold: Mold, by_face: ByFace, seconds: float) -> ThickWall:
+    if by_face.blends:
+        raise GlassWorkbenchError("OCC offsets each face by one thickness, and the wall asked blends across some")
+    otherwise = float(by_face.thicknesses_mm[0])
+    named = [
+        (number, float(thickness)) for number, thickness in enumerate(by_face.thicknesses_mm) if thickness != otherwise
+    ]
+    try:
+        return thick_wall_per_face(mold.upright, mold.anatomy.finish_face, otherwise, named, seconds)
+    except InputError as error:
+        # There is no such wall by this method; others may make it.
+        raise GlassWorkbenchError(str(error)) from error
 
 
 def _zones(asked: AskedThickness, anatomy: Anatomy) -> list[Zone]:

@@ -109,7 +109,9 @@ def _check_room(wall: WallMeridian, thickness: AlongMeridian) -> None:
     blocked = np.flatnonzero(free[floor[0] :] <= 0.0) + floor[0] if len(floor) else np.arange(len(height))
     if len(blocked) == 0:
         return
-    worst = blocked[np.argmin(free[blocked])] if len(floor) else int(np.argmax(free))
+    # Below the widest place there is a floor, which blocks nothing: where the wall is too thick everywhere, too.
+    above = blocked[blocked >= np.argmax(free)]
+    worst = min(above if len(above) else blocked, key=free.__getitem__)
     distances = np.linalg.norm(feet - axis[worst], axis=1)
     tightest = int(np.argmin(distances - asked))
     raise InputError(
