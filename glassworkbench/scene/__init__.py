@@ -11,6 +11,7 @@ from glassworkbench.scene.media import Medium, medium_table
 from glassworkbench.scene.mesh import Mesh
 from glassworkbench.scene.patches import Patches, Sheet
 from glassworkbench.scene.scene import Scene
+from glassworkbench.scene.symmetry import is_mirror_symmetric
 
 __all__ = [
     "Body",
@@ -29,5 +30,6 @@ __all__ = [
     "Sheet",
     "Surface",
     "Telecentric",
+    "is_mirror_symmetric",
     "medium_table",
 ]

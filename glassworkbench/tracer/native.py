@@ -23,7 +23,7 @@ from glassworkbench.tracer.result import Crossing, Radiance
 LIBRARY_FOLDER = Path(os.environ.get("GLASSWORKBENCH_LIBRARIES", Path(__file__).with_name("native") / "lib"))
 """Another folder holds other builds, such as those of 'make sanitize'."""
 
-INTERFACE_VERSION = 2
+INTERFACE_VERSION = 3
 BUILDS_BY_VECTOR_WIDTH = {2: ("baseline",), 4: ("v3", "baseline"), 8: ("v4", "v3", "baseline")}
 
 _DOUBLES = ndpointer(np.float64, flags="C_CONTIGUOUS")
@@ -160,7 +160,7 @@ class NativeScene:
         directions = finite_array(directions, (n, 3), "directions")
         if not np.all(np.any(directions, axis=1)):
             raise InputError("directions: a direction must have a length above 0")
-        colour, bound, depth = np.empty((n, 3)), np.empty(n), np.empty(n)
+        colour, left_out, bound, depth = np.empty((n, 3)), np.empty((n, 3)), np.empty(n), np.empty(n)
         crossings, leaks = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
         self._call(
             "glass_radiance",
@@ -171,57 +171,62 @@ class NativeScene:
             origins,
             directions,
             colour,
+            left_out,
             bound,
             depth,
             crossings,
             leaks,
         )
-        return Radiance(colour, bound, depth, crossings, leaks)
+        return Radiance(colour, left_out, bound, depth, crossings, leaks)
 
-    def sample(
+    def image(
         self,
         film: Film,
-        pixels: np.ndarray,
-        samples: int,
+        tiles: np.ndarray,
+        wanted: np.ndarray,
         *,
+        tolerance: float,
+        halvings: int,
         cutoff: float,
+        ambient: np.ndarray,
         absorption: bool,
         threads: int,
         cancel: Cancel,
     ) -> None:
-        """Add the next samples to some pixels of a film.
+        """Trace the wanted pixels of some tiles into a film, each until its error lies below the tolerance.
 
         Parameters
         ----------
         film : Film
-        pixels : int64 array (n,)
-            Row-major numbers of pixels which all hold equally many samples.
-        samples : int
-            How many samples these pixels hold afterwards.
+        tiles : int64 array (n,)
+            Numbers of tiles; see `tiles`.
+        wanted : uint8 array (h, w)
+            Not 0 where a pixel is to be traced.
+        tolerance : float
+            Of a pixel's radiance.
+        halvings : int
+            How often a pixel is halved before its error is looked at, 0 to 3.
+        ambient : array (3,)
+            Radiance that stands for the light at the end of paths that are left out.
         """
-        if len(pixels) == 0:
-            return
-        first = int(film.samples[pixels[0]])
-        totals = np.zeros(3, dtype=np.int64)
         self._call(
-            "glass_sample",
+            "glass_image",
             _Settings(cutoff, 256, absorption),
             _camera(self._scene.camera, *self._scene.size),
+            tolerance,
+            halvings,
+            np.ascontiguousarray(ambient, dtype=np.float64),
             threads,
             cancel.control,
-            len(pixels),
-            np.ascontiguousarray(pixels, dtype=np.int64),
-            first,
-            samples,
-            film.sum,
-            film.low,
-            film.high,
-            film.bound,
+            len(tiles),
+            np.ascontiguousarray(tiles, dtype=np.int64),
+            np.ascontiguousarray(wanted, dtype=np.uint8),
+            film.radiance,
+            film.sampling,
+            film.pruned,
             film.depth_mm,
-            totals,
+            film.totals,
         )
-        film.samples[pixels] = samples
-        film.add_totals(*totals)
 
     def follow(self, origin: np.ndarray, direction: np.ndarray, *, room: int = 1024) -> list[Crossing]:
         """Return the interfaces along the refracted path of one ray (the reflected, where reflection is total)."""
@@ -332,7 +337,7 @@ def _load(build: str) -> ctypes.CDLL | None:
 
 
 def _declare(library: ctypes.CDLL) -> None:
-    handle, int32, int64, uint32 = ctypes.c_void_p, ctypes.c_int32, ctypes.c_int64, ctypes.c_uint32
+    handle, int32, int64 = ctypes.c_void_p, ctypes.c_int32, ctypes.c_int64
     settings, camera, control = (ctypes.POINTER(kind) for kind in (_Settings, _Camera, Control))
     signatures = {
         "glass_vector_width": (int32, ()),
@@ -366,11 +371,25 @@ def _declare(library: ctypes.CDLL) -> None:
         "glass_finish": (int32, (handle, ctypes.c_double)),
         "glass_radiance": (
             int32,
-            (handle, settings, int32, control, int64, *[_DOUBLES] * 5, _INT64S, _INT64S),
+            (handle, settings, int32, control, int64, *[_DOUBLES] * 6, _INT64S, _INT64S),
         ),
-        "glass_sample": (
+        "glass_image": (
             int32,
-            (handle, settings, camera, int32, control, int64, _INT64S, uint32, uint32, *[_DOUBLES] * 5, _INT64S),
+            (
+                handle,
+                settings,
+                camera,
+                ctypes.c_double,
+                int32,
+                _DOUBLES,
+                int32,
+                control,
+                int64,
+                _INT64S,
+                ndpointer(np.uint8, flags="C_CONTIGUOUS"),
+                *[_DOUBLES] * 4,
+                _INT64S,
+            ),
         ),
         "glass_follow": (int64, (handle, _DOUBLES, _DOUBLES, int64, _INT32S, _DOUBLES)),
     }

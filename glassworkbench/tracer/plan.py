@@ -83,7 +83,7 @@ def plan(scene: Scene, tolerance: float, overrule: Mapping[str, bool] | None = N
 
 
 def _absorption(scene: Scene, tolerance: float, wish: bool | None) -> Effect:
-    path_mm = _longest_chord_mm(scene)
+    path_mm = longest_chord_mm(scene)
     change = scene.brightest() * -np.expm1(-float(np.max(scene.absorptions_per_mm())) * path_mm)
     if wish is not None:
         return Effect("absorption", bool(wish), f"asked for; it can change a pixel by up to {change:.2g}")
@@ -96,7 +96,7 @@ def _absorption(scene: Scene, tolerance: float, wish: bool | None) -> Effect:
     return Effect("absorption", on, why)
 
 
-def _longest_chord_mm(scene: Scene) -> float:
+def longest_chord_mm(scene: Scene) -> float:
     """Return the diagonal of the box around all bodies."""
     corners = []
     for body in scene.bodies:

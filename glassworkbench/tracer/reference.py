@@ -368,7 +368,7 @@ def _radiance_of_chunk(
 ) -> Radiance:
     """Follow all branches of the rays in step, one crossing a round."""
     count = len(origins)
-    seen, bound = np.zeros((count, 3)), np.zeros(count)
+    seen, left_out, bound = np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(count)
     depth_mm = np.full(count, np.inf)
     crossings, leaks = np.zeros(count, dtype=np.int64), np.zeros(count, dtype=np.int64)
     rays = _start(tracing, origins, directions)
@@ -402,9 +402,10 @@ def _radiance_of_chunk(
         rays = split.refracted.with_(split.reflected)
         largest = rays.weight.max(axis=1)
         lost = (largest < cutoff) | (rays.depth > maximum_depth) | (rays.straight > MOST_STRAIGHT_CROSSINGS)
+        np.add.at(left_out, rays.owner[lost], rays.weight[lost])
         np.add.at(bound, rays.owner[lost], largest[lost] * tracing.brightest)
         rays = rays.take(~lost & (largest > 0.0))
-    return Radiance(seen, bound, depth_mm, crossings, leaks)
+    return Radiance(seen, left_out, bound, depth_mm, crossings, leaks)
 
 
 def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:

@@ -11,23 +11,36 @@ import numpy as np
 from glassworkbench import __version__
 from glassworkbench.errors import InputError
 from glassworkbench.images import Image
-from glassworkbench.scene import Mesh, Scene
+from glassworkbench.scene import Mesh, Scene, Telecentric, is_mirror_symmetric
 from glassworkbench.scene.validate import positive
 from glassworkbench.tracer import native
 from glassworkbench.tracer.control import Cancel
 from glassworkbench.tracer.film import Film
-from glassworkbench.tracer.plan import LARGEST_CUTOFF, Plan, plan
+from glassworkbench.tracer.plan import LARGEST_CUTOFF, Plan, longest_chord_mm, plan
 from glassworkbench.tracer.reference_film import ReferenceScene
+from glassworkbench.tracer.tiles import tiles_of
 
 DEFAULT_TOLERANCE = 0.02
 TIMED_TOLERANCE = 0.001
 """What is aimed at where the user gives a time instead of a tolerance."""
 
 COARSEST_TARGET = 0.25
-"""The error that a timed rendering brings every pixel below before it goes on to a quarter of it."""
+"""The error that the first pass aims at, where there are several: each of the next aims at a quarter of it."""
 
 CUTOFF_STEP = 0.25
 """How much smaller the cut-off becomes where too much was left out."""
+
+DEEPEST = 4
+"""How often a pixel's cut-off may be made smaller."""
+
+PILOT_SIDE = 16
+"""Rays along the image's sides that tell what light waits at the end of paths that are left out."""
+
+FIRST_RAYS = 512
+"""So many rays along the bodies see what there is to see, before the estimate decides where more are needed."""
+
+MOST_HALVINGS = 3
+"""How often a pixel may be halved unasked; the native core's ``Cells::most_halvings``."""
 
 BATCH_SECONDS = 0.1
 """Length of one call into the core: how often progress is told."""
@@ -85,48 +98,27 @@ def render(
         positive(seconds, "seconds")
     if threads is not None and threads < 1:
         raise InputError(f"threads: must be at least 1, got {threads}")
-    cancel = cancel or Cancel()
-    engine = _engine(scene)
-    film = Film(*scene.size)
-    threads = threads or native.default_threads()
+    rendering = _Rendering(scene, chosen, threads or native.default_threads(), cancel or Cancel(), _Meter(progress))
     deadline = started + seconds if seconds is not None else np.inf
     set_up_seconds = time.perf_counter() - started
 
     def image() -> Image:
-        return _image(scene, film, chosen, threads, set_up_seconds, time.perf_counter() - started)
+        return _image(rendering, set_up_seconds, time.perf_counter() - started)
 
-    meter = _Meter(progress)
-    # Against the clock, coarse errors go first everywhere; else nothing is done twice.
-    target = tolerance if seconds is None else max(tolerance, COARSEST_TARGET)
-    cutoff = min(chosen.cutoff * target / tolerance, LARGEST_CUTOFF)
-    while True:
-        work = film.work(target)
-        while not work and target > tolerance:
-            target = max(tolerance, 0.25 * target)
-            work = film.work(target)
-        if len(work) == 0 or (film.rays > 0 and time.perf_counter() > deadline):
+    # A glance first where somebody looks on, and against the clock ever finer passes; else nothing is done twice.
+    targets = [tolerance]
+    while (seconds is not None and targets[0] < COARSEST_TARGET) or (on_pass is not None and len(targets) == 1):
+        targets.insert(0, max(COARSEST_TARGET, tolerance) if seconds is None else targets[0] / CUTOFF_STEP)
+    for target in targets:
+        if rendering.has_image:
+            if on_pass is not None:
+                on_pass(image())
+            if seconds is None:
+                # What the glance found must not decide what the image is.
+                rendering.film.sampling[:] = np.inf
+        if not rendering.trace(target, deadline):
             break
-        if film.rays > 0 and on_pass is not None:
-            on_pass(image())
-        first_pass = film.rays == 0
-        meter.expect(sum(len(part.pixels) for part in work))
-        for part in work:
-            film.prepare(part)
-            for batch in _batches(part.pixels):
-                if not first_pass and time.perf_counter() > deadline:
-                    break
-                cancel.check()
-                engine.sample(
-                    film,
-                    batch,
-                    part.samples,
-                    cutoff=cutoff * CUTOFF_STEP**part.depth,
-                    absorption=chosen.is_on("absorption"),
-                    threads=threads,
-                    cancel=cancel,
-                )
-                meter.advance(len(batch))
-    meter.finish()
+    rendering.meter.finish()
     return image()
 
 
@@ -137,21 +129,106 @@ def _engine(scene: Scene) -> native.NativeScene | ReferenceScene:
     warnings.warn(
         "the native tracer is not built, the slow numpy reference runs instead; 'make build' builds it",
         RuntimeWarning,
-        stacklevel=3,
+        stacklevel=4,
     )
     return ReferenceScene(scene)
 
 
-def _batches(pixels: np.ndarray) -> Iterator[np.ndarray]:
-    """Yield runs of pixels that take about BATCH_SECONDS each, whatever a pixel costs here."""
-    start, size = 0, 1024
-    while start < len(pixels):
+class _Rendering:
+    """A film on its way to an image."""
+
+    def __init__(self, scene: Scene, chosen: Plan, threads: int, cancel: Cancel, meter: _Meter) -> None:
+        self.scene, self.chosen = scene, chosen
+        self.threads, self.cancel, self.meter = threads, cancel, meter
+        self.engine = _engine(scene)
+        self.film = Film(*scene.size)
+        self.halvings = _halvings(scene)
+        self.is_mirrored = is_mirror_symmetric(scene)
+        self.has_image = False
+        self.ambient = self._ambient()
+
+    def trace(self, target: float, deadline: float) -> bool:
+        """Bring every pixel's error below a target, or tell that the time is over; the first pass is finished."""
+        first = not self.has_image
+        cutoff = min(self.chosen.cutoff * target / self.chosen.tolerance, LARGEST_CUTOFF)
+        for step in range(DEEPEST + 1):
+            wanted = self._wanted(target, step)
+            tiles = tiles_of(wanted)
+            if len(tiles) == 0:
+                break
+            self.meter.expect(len(tiles))
+            for batch in _batches(tiles):
+                if not first and time.perf_counter() > deadline:
+                    return False
+                self.cancel.check()
+                self.engine.image(
+                    self.film,
+                    batch,
+                    wanted,
+                    tolerance=target,
+                    halvings=self.halvings,
+                    cutoff=cutoff * CUTOFF_STEP**step,
+                    ambient=self.ambient,
+                    absorption=self.chosen.is_on("absorption"),
+                    threads=self.threads,
+                    cancel=self.cancel,
+                )
+                self.meter.advance(len(batch))
+            if self.is_mirrored:
+                self.film.mirror()
+            self.has_image = True
+            if first and deadline < np.inf:
+                break
+        return time.perf_counter() <= deadline
+
+    def _wanted(self, target: float, step: int) -> np.ndarray:
+        """Return the pixels (h, w) that are not good enough: later only those of which too much was left out."""
+        film = self.film
+        wanted = (film.error > target) if step == 0 else (film.pruned > 0.5 * target)
+        wanted = wanted.reshape(film.height, film.width).astype(np.uint8)
+        if self.is_mirrored:
+            wanted[:, -(-film.width // 2) :] = 0
+        return wanted
+
+    def _ambient(self) -> np.ndarray:
+        """Return the mean light (3,) at the end of paths that a smaller cut-off adds, on a few rays."""
+        width, height = self.scene.size
+        column, row = np.meshgrid(
+            (np.arange(PILOT_SIDE) + 0.5) / PILOT_SIDE, (np.arange(PILOT_SIDE) + 0.5) / PILOT_SIDE
+        )
+        rays = self.scene.camera.rays((2.0 * column.ravel() - 1.0) * width / height, 1.0 - 2.0 * row.ravel())
+        absorption = self.chosen.is_on("absorption")
+        coarse, fine = (
+            self.engine.radiance(*rays, cutoff=self.chosen.cutoff * share, absorption=absorption)
+            for share in (1.0, CUTOFF_STEP)
+        )
+        more = np.sum(coarse.left_out - fine.left_out, axis=0)
+        light = np.sum(fine.radiance - coarse.radiance, axis=0)
+        return np.clip(light / np.maximum(more, 1e-300), 0.0, self.scene.brightest())
+
+
+def _halvings(scene: Scene) -> int:
+    """Return how often pixels must be halved so that the first rays lie `FIRST_RAYS` to the bodies' extent."""
+    camera = scene.camera
+    if isinstance(camera, Telecentric):
+        image_mm = camera.height_mm
+    else:
+        distance = np.linalg.norm(camera.target_mm - camera.origin_mm)
+        image_mm = 2.0 * distance * np.tan(0.5 * camera.vertical_field_of_view_rad)
+    across = longest_chord_mm(scene) / (image_mm / scene.size[1])
+    return int(np.clip(np.ceil(np.log2(FIRST_RAYS / max(across, 1.0))), 0, MOST_HALVINGS))
+
+
+def _batches(tiles: np.ndarray) -> Iterator[np.ndarray]:
+    """Yield runs of tiles that take about BATCH_SECONDS each, whatever a tile costs here."""
+    start, size = 0, 2
+    while start < len(tiles):
         began = time.perf_counter()
-        batch = pixels[start : start + size]
+        batch = tiles[start : start + size]
         yield batch
         start += len(batch)
         spent = max(time.perf_counter() - began, 1e-6)
-        size = max(64, int(size * min(4.0, max(0.25, BATCH_SECONDS / spent))))
+        size = max(2, int(size * min(4.0, max(0.25, BATCH_SECONDS / spent))))
 
 
 class _Meter:
@@ -180,19 +257,19 @@ class _Meter:
             self._tell(1.0)
 
 
-def _image(scene: Scene, film: Film, chosen: Plan, threads: int, set_up_seconds: float, seconds: float) -> Image:
+def _image(rendering: _Rendering, set_up_seconds: float, seconds: float) -> Image:
+    scene, film, chosen = rendering.scene, rendering.film, rendering.chosen
     shape = (film.height, film.width)
-    pruned, sampling = film.pruned(), film.sampling()
-    total = pruned + sampling
+    total = film.error
     report = {
         "seconds": round(seconds, 3),
         "set_up_seconds": round(set_up_seconds, 3),
         "size": [film.width, film.height],
-        "threads": threads,
+        "threads": rendering.threads,
         "tolerance": chosen.tolerance,
         "certificate": {
-            "pruned": float(pruned.mean()),
-            "sampling": float(sampling.mean()),
+            "pruned": float(film.pruned.mean()),
+            "sampling": float(film.sampling.mean()),
             "surface": _surface_error(scene),
             "total_p50": float(np.percentile(total, 50)),
             "total_p99": float(np.percentile(total, 99)),
@@ -201,15 +278,16 @@ def _image(scene: Scene, film: Film, chosen: Plan, threads: int, set_up_seconds:
         "effects": [
             {"name": effect.name, "on": effect.on, "why": effect.why, "share": None} for effect in chosen.effects
         ],
-        "camera_rays": film.rays,
-        "intersections": film.crossings,
-        "leaks": film.leaks,
+        "mirrored": rendering.is_mirrored,
+        "camera_rays": int(film.totals[0]),
+        "intersections": int(film.totals[1]),
+        "leaks": int(film.totals[2]),
         "version": __version__,
     }
     return Image(
-        film.mean().reshape(*shape, 3),
+        film.radiance.reshape(*shape, 3).copy(),
         total.reshape(shape),
-        film.depth_mm.reshape(shape),
+        film.depth_mm.reshape(shape).copy(),
         dict(scene.metadata),
         report,
     )

@@ -15,6 +15,8 @@ class Radiance:
     ----------
     radiance : array (n, 3)
         R, G, B in the units of the scene's lights.
+    left_out : array (n, 3)
+        Weight of the paths that were left out.
     bound : array (n,)
         Upper bound, per channel, of the radiance on the paths that were left out; the true radiance lies in
         [radiance, radiance + bound].
@@ -27,6 +29,7 @@ class Radiance:
     """
 
     radiance: np.ndarray
+    left_out: np.ndarray
     bound: np.ndarray
     depth_mm: np.ndarray
     crossings: np.ndarray

@@ -1,6 +1,7 @@
 // Bodies, the media in them, lights and the camera.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <variant>
@@ -47,12 +48,19 @@ struct Panel {
 
     // Distance at which the ray meets the panel, or infinity.
     double distance(const Ray& ray) const {
+        double a, b;
+        const double t = place(ray, a, b);
+        return t > 0.0 && a >= 0.0 && a <= 1.0 && b >= 0.0 && b <= 1.0 ? t : INFINITY;
+    }
+
+    // Distance at which the ray meets the panel's plane, and where: the panel is [0, 1] x [0, 1].
+    double place(const Ray& ray, double& a, double& b) const {
         const double t = dot(origin - ray.origin, normal) / dot(ray.direction, normal);
-        if (!(t > 0.0)) return INFINITY;
         const Vector p = ray.at(t) - origin;
         const double pu = dot(p, u), pv = dot(p, v);
-        const double a = (pu * vv - pv * uv) * inverse, b = (pv * uu - pu * uv) * inverse;
-        return a >= 0.0 && a <= 1.0 && b >= 0.0 && b <= 1.0 ? t : INFINITY;
+        a = (pu * vv - pv * uv) * inverse;
+        b = (pv * uu - pu * uv) * inverse;
+        return t;
     }
 };
 
@@ -74,6 +82,35 @@ struct Environment {
         const auto pixel = [&](std::int64_t i, std::int64_t j) { return pixels[i * width + j]; };
         return (1.0 - y) * ((1.0 - x) * pixel(top, left) + x * pixel(top, right)) +
                y * ((1.0 - x) * pixel(bottom, left) + x * pixel(bottom, right));
+    }
+};
+
+// An environment at one, two, four ... pixels to a pixel.
+struct Surroundings {
+    std::vector<Environment> levels;
+
+    explicit Surroundings(const Environment& finest = {}) {
+        levels.push_back(finest);
+        while (levels.back().height > 1 && levels.back().width > 1) {
+            const Environment& fine = levels.back();
+            Environment coarse;
+            coarse.height = (fine.height + 1) / 2;
+            coarse.width = (fine.width + 1) / 2;
+            coarse.pixels.resize(static_cast<std::size_t>(coarse.height * coarse.width));
+            for (std::int64_t i = 0; i < coarse.height; ++i)
+                for (std::int64_t j = 0; j < coarse.width; ++j) {
+                    Colour sum;
+                    for (int k = 0; k < 4; ++k)
+                        sum = sum + fine.pixels[std::min(2 * i + k / 2, fine.height - 1) * fine.width +
+                                                std::min(2 * j + k % 2, fine.width - 1)];
+                    coarse.pixels[i * coarse.width + j] = 0.25 * sum;
+                }
+            levels.push_back(std::move(coarse));
+        }
+    }
+
+    Colour radiance(const Vector& direction, int level) const {
+        return levels[std::clamp(level, 0, static_cast<int>(levels.size()) - 1)].radiance(direction);
     }
 };
 
@@ -101,10 +138,12 @@ struct Scene {
     std::vector<Medium> media;
     std::vector<Panel> panels;
     Environment environment;
+    Surroundings surroundings;
     double brightest = 0.0;
     double start_tolerance = 0.0;  // mm; nearer than this a crossing may be the surface that the ray starts on
 
     void finish() {
+        surroundings = Surroundings(environment);
         double size = 0.0;
         for (const Surface& body : bodies)
             size = std::fmax(size, std::visit([](const auto& s) { return s.bounds().largest_coordinate(); }, body));

@@ -12,7 +12,7 @@
 #include <memory>
 #include <thread>
 
-#include "sampling.hpp"
+#include "cells.hpp"
 #include "scene.hpp"
 #include "transport.hpp"
 
@@ -26,6 +26,27 @@ using glass::Vector;
 
 Vector vector(const double* p) { return {p[0], p[1], p[2]}; }
 glass::Colour colour(const double* p) { return {p[0], p[1], p[2]}; }
+
+void put(const glass::Colour& colour, double* p) {
+    p[0] = colour.r;
+    p[1] = colour.g;
+    p[2] = colour.b;
+}
+
+glass::Camera camera_from(const glass_camera& c) {
+    glass::Camera camera;
+    camera.parallel = c.parallel != 0;
+    camera.origin = vector(c.origin);
+    camera.right = vector(c.right);
+    camera.up = vector(c.up);
+    camera.forward = vector(c.forward);
+    camera.half_height = c.half_height;
+    camera.width = c.width;
+    camera.height = c.height;
+    return camera;
+}
+
+bool cancelled(const glass_control* control) { return __atomic_load_n(&control->cancel, __ATOMIC_RELAXED) != 0; }
 
 template <class Work>
 std::int32_t guarded(Work&& work) {
@@ -43,16 +64,14 @@ glass::Settings settings_from(const glass_settings& s) {
 // Runs work(transport, i) for i in [0, n), in chunks that threads take in turn. Which thread does which chunk changes
 // nothing: each i writes its own results.
 template <class Work>
-std::int32_t share(const glass_scene* scene, const glass_settings* settings, std::int64_t n, std::int32_t threads,
-                   glass_control* control, Work&& work) {
-    constexpr std::int64_t chunk = 16;
+std::int32_t share(const glass_scene* scene, const glass_settings* settings, std::int64_t n, std::int64_t chunk,
+                   std::int32_t threads, glass_control* control, Work&& work) {
     std::atomic<std::int64_t> next{0};
-    const auto cancelled = [&] { return __atomic_load_n(&control->cancel, __ATOMIC_RELAXED) != 0; };
     const auto run = [&] {
         glass::Transport transport(scene->scene, settings_from(*settings));
         for (;;) {
             const std::int64_t first = next.fetch_add(chunk, std::memory_order_relaxed);
-            if (first >= n || cancelled()) return;
+            if (first >= n || cancelled(control)) return;
             const std::int64_t last = std::min(n, first + chunk);
             for (std::int64_t i = first; i < last; ++i) work(transport, i);
             __atomic_fetch_add(&control->done, last - first, __ATOMIC_RELAXED);
@@ -62,7 +81,7 @@ std::int32_t share(const glass_scene* scene, const glass_settings* settings, std
     for (std::int32_t k = 1; k < threads; ++k) others.emplace_back(run);
     run();
     for (std::thread& other : others) other.join();
-    return cancelled() ? GLASS_CANCELLED : GLASS_OK;
+    return cancelled(control) ? GLASS_CANCELLED : GLASS_OK;
 }
 
 template <class Surface>
@@ -215,15 +234,14 @@ GLASS_EXPORT int32_t glass_finish(glass_scene* scene, double brightest) {
 
 GLASS_EXPORT int32_t glass_radiance(const glass_scene* scene, const glass_settings* settings, int32_t threads,
                                     glass_control* control, int64_t n, const double* origins, const double* directions,
-                                    double* radiance, double* bound, double* depth, int64_t* crossings,
-                                    int64_t* leaks) {
+                                    double* radiance, double* left_out, double* bound, double* depth,
+                                    int64_t* crossings, int64_t* leaks) {
     return guarded([&] {
-        return share(scene, settings, n, threads, control, [&](glass::Transport& transport, std::int64_t i) {
+        return share(scene, settings, n, 16, threads, control, [&](glass::Transport& transport, std::int64_t i) {
             const glass::Ray ray{vector(origins + 3 * i), glass::normalised(vector(directions + 3 * i))};
             const glass::Answer answer = transport.radiance(ray);
-            radiance[3 * i] = answer.radiance.r;
-            radiance[3 * i + 1] = answer.radiance.g;
-            radiance[3 * i + 2] = answer.radiance.b;
+            put(answer.radiance, radiance + 3 * i);
+            put(answer.left_out, left_out + 3 * i);
             bound[i] = answer.bound;
             depth[i] = answer.depth;
             crossings[i] = answer.crossings;
@@ -232,46 +250,36 @@ GLASS_EXPORT int32_t glass_radiance(const glass_scene* scene, const glass_settin
     });
 }
 
-GLASS_EXPORT int32_t glass_sample(const glass_scene* scene, const glass_settings* settings, const glass_camera* camera,
-                                  int32_t threads, glass_control* control, int64_t n, const int64_t* pixels,
-                                  uint32_t first, uint32_t last, double* sum, double* low, double* high, double* bound,
-                                  double* depth, int64_t* totals) {
+GLASS_EXPORT int32_t glass_image(const glass_scene* scene, const glass_settings* settings, const glass_camera* camera,
+                                 double tolerance, int32_t halvings, const double* ambient, int32_t threads,
+                                 glass_control* control, int64_t n, const int64_t* tiles, const uint8_t* wanted,
+                                 double* radiance, double* sampling, double* pruned, double* depth, int64_t* totals) {
     return guarded([&] {
-        glass::Camera view;
-        view.parallel = camera->parallel != 0;
-        view.origin = vector(camera->origin);
-        view.right = vector(camera->right);
-        view.up = vector(camera->up);
-        view.forward = vector(camera->forward);
-        view.half_height = camera->half_height;
-        view.width = camera->width;
-        view.height = camera->height;
-        std::atomic<std::int64_t> crossings{0}, leaks{0};
+        const glass::Camera view = camera_from(*camera);
+        const std::int64_t width = camera->width, height = camera->height;
+        std::atomic<std::int64_t> rays{0}, crossings{0}, leaks{0};
         const std::int32_t outcome =
-            share(scene, settings, n, threads, control, [&](glass::Transport& transport, std::int64_t i) {
-                const std::int64_t pixel = pixels[i];
-                const double column = static_cast<double>(pixel % camera->width);
-                const double row = static_cast<double>(pixel / camera->width);
-                std::int64_t crossed = 0, leaked = 0;
-                for (std::uint32_t number = first; number < last; ++number) {
-                    const glass::SamplePoint point = glass::sample_point(pixel, number);
-                    const glass::Answer answer = transport.radiance(view.ray(column + point.x, row + point.y));
-                    const double value[3] = {answer.radiance.r, answer.radiance.g, answer.radiance.b};
-                    for (int channel = 0; channel < 3; ++channel) {
-                        const std::int64_t k = 3 * pixel + channel;
-                        sum[k] += value[channel];
-                        low[k] = std::fmin(low[k], value[channel]);
-                        high[k] = std::fmax(high[k], value[channel]);
-                    }
-                    bound[pixel] += answer.bound;
-                    if (number == 0) depth[pixel] = answer.depth;
-                    crossed += answer.crossings;
-                    leaked += answer.leaks;
-                }
-                crossings.fetch_add(crossed, std::memory_order_relaxed);
-                leaks.fetch_add(leaked, std::memory_order_relaxed);
+            share(scene, settings, n, 1, threads, control, [&](glass::Transport& transport, std::int64_t i) {
+                glass::Cells cells(scene->scene, transport, view, tolerance, halvings, colour(ambient),
+                                   [&] { return cancelled(control); });
+                const std::int64_t across = (width + glass::Cells::tile_size - 1) / glass::Cells::tile_size;
+                cells.tile(
+                    tiles[i] % across * glass::Cells::tile_size, tiles[i] / across * glass::Cells::tile_size,
+                    [&](std::int64_t column, std::int64_t row) {
+                        return column < width && row < height && wanted[row * width + column] != 0;
+                    },
+                    [&](std::int64_t column, std::int64_t row, const glass::Pixel& pixel) {
+                        const std::int64_t k = row * width + column;
+                        put(pixel.radiance, radiance + 3 * k);
+                        sampling[k] = pixel.sampling;
+                        pruned[k] = pixel.pruned;
+                        depth[k] = pixel.depth;
+                    });
+                rays.fetch_add(cells.rays, std::memory_order_relaxed);
+                crossings.fetch_add(cells.crossings, std::memory_order_relaxed);
+                leaks.fetch_add(cells.leaks, std::memory_order_relaxed);
             });
-        totals[0] += n * static_cast<std::int64_t>(last - first);
+        totals[0] += rays.load();
         totals[1] += crossings.load();
         totals[2] += leaks.load();
         return outcome;

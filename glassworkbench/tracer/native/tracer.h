@@ -9,7 +9,7 @@
 extern "C" {
 #endif
 
-#define GLASS_INTERFACE_VERSION 2
+#define GLASS_INTERFACE_VERSION 3
 #define GLASS_OK 0
 #define GLASS_CANCELLED 1
 #define GLASS_FAILED 2
@@ -64,17 +64,20 @@ int32_t glass_add_panel(glass_scene* scene, const double* origin, const double* 
 int32_t glass_set_environment(glass_scene* scene, const double* pixels /* h x w x 3 */, int64_t height, int64_t width);
 int32_t glass_finish(glass_scene* scene, double brightest);
 
-/* Any rays: radiance (n x 3), bound (n), depth_mm (n), crossings (n, int64), leaks (n, int64). */
+/* Any rays: radiance (n x 3), left_out (n x 3), bound (n), depth_mm (n), crossings (n, int64), leaks (n, int64). */
 int32_t glass_radiance(const glass_scene* scene, const glass_settings* settings, int32_t threads,
                        glass_control* control, int64_t n, const double* origins, const double* directions,
-                       double* radiance, double* bound, double* depth, int64_t* crossings, int64_t* leaks);
+                       double* radiance, double* left_out, double* bound, double* depth, int64_t* crossings,
+                       int64_t* leaks);
 
-/* Samples first..last-1 of the listed pixels, added to the image's arrays: sum, low and high (pixels x 3), bound
-   (pixels, summed), depth (pixels, of sample 0). totals (3): rays, crossings, leaks, added to. */
-int32_t glass_sample(const glass_scene* scene, const glass_settings* settings, const glass_camera* camera,
-                     int32_t threads, glass_control* control, int64_t n, const int64_t* pixels, uint32_t first,
-                     uint32_t last, double* sum, double* low, double* high, double* bound, double* depth,
-                     int64_t* totals);
+/* Mean radiance over the wanted pixels (uint8 a pixel) in the listed tiles of 32 x 32 pixels, to a tolerance;
+   each pixel is halved at least `halvings` times. ambient (3) stands for the light at the end of paths that were left
+   out. Written: radiance (pixels x 3), the estimated sampling error, the bound on the error of what was left out, depth
+   (pixels each). totals (3): rays, crossings, leaks, added to. */
+int32_t glass_image(const glass_scene* scene, const glass_settings* settings, const glass_camera* camera,
+                    double tolerance, int32_t halvings, const double* ambient, int32_t threads, glass_control* control,
+                    int64_t n, const int64_t* tiles, const uint8_t* wanted, double* radiance, double* sampling,
+                    double* pruned, double* depth, int64_t* totals);
 
 /* The refracted path of one ray, at most `room` interfaces; returns their number, or -1 if it failed.
    numbers (room x 4, int32): body, entering, medium before, medium after; values (room x 5): point, cosine,
