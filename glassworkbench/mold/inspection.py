@@ -21,6 +21,7 @@ from glassworkbench.mold.measures import mesh_of, signed_volume
 from glassworkbench.mold.mesh_mold import mold_from_mesh
 from glassworkbench.mold.mold import Mold, mold_from_shape, outward, single_solid
 from glassworkbench.mold.read import MESH_ENDINGS, STEP_ENDINGS, read_shape, sha256
+from glassworkbench.scene.validate import file_path
 
 STEP_ENTITY = re.compile(r"#\d+\s*=\s*([A-Z][A-Z0-9_]*)\s*\(")
 STEP_SI_LENGTH = re.compile(r"LENGTH_UNIT\s*\(\s*\)[^;]*?SI_UNIT\s*\(\s*(?:\.(\w+)\.|\$)\s*,\s*\.METRE\.")
@@ -77,7 +78,7 @@ def inspect(
     InputError
         If the file cannot be read at all; what can be read but not used is told under `faults`.
     """
-    path = Path(path)
+    path = file_path(path)
     if path.suffix.lower() in MESH_ENDINGS:
         return _inspect_mesh(path, scale_to_mm, outer_shell, close_open_shell)
     shape = read_shape(path, scale_to_mm=scale_to_mm)
