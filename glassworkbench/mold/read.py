@@ -15,7 +15,8 @@ from glassworkbench.freecad import FreeCAD, Part
 from glassworkbench.scene.validate import file_path, positive
 
 STEP_ENDINGS = (".step", ".stp")
-ENDINGS = (*STEP_ENDINGS, ".iges", ".igs", ".brep", ".brp", ".fcstd")
+IGES_ENDINGS = (".iges", ".igs")
+ENDINGS = (*STEP_ENDINGS, *IGES_ENDINGS, ".brep", ".brp", ".fcstd")
 MESH_ENDINGS = (".stl", ".obj", ".ply")
 
 
