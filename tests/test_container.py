@@ -119,7 +119,7 @@ def test_the_report_has_the_documented_keys(cylinder):
     assert set(report["tried"][0]) == {"method", "outcome", "why", "seconds", "details"}
     wall = {"asked", "samples", "min_mm", "min_at_mm", "deviation_max_mm", "deviation_p99_mm", "deviation_rms_mm"}
     assert wall <= set(report["wall"])
-    assert set(report["solid"]) == {"valid", "closed", "self_intersecting", "faces"}
+    assert set(report["solid"]) == {"valid", "closed", "self_intersecting", "faces", "facets_off_mm"}
     assert report["wall"]["asked"] == "0:3 120:2"
     assert report["wall"]["samples"] >= 2000
     assert len(report["wall"]["min_at_mm"]) == 3

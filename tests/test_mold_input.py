@@ -7,6 +7,8 @@ import pytest
 from glassworkbench.errors import InputError
 from glassworkbench.freecad import FreeCAD, Part
 from glassworkbench.mold import inspect, mold_from_shape, read_mold
+from glassworkbench.mold.inspection_words import in_words
+from glassworkbench.mold.units import declared_unit
 
 MOLDS = Path(__file__).resolve().parent.parent / "examples" / "molds"
 
@@ -163,3 +165,40 @@ def test_inspect_says_where_a_mold_departs_from_a_body_of_revolution(write):
 def test_inspect_takes_a_doubtful_size_for_a_fault(write):
     found = inspect(write(Part.makeCylinder(3, 8)))
     assert "unusual for a container" in found["faults"][0]
+
+
+def exported_iges(folder: Path, unit: str = "2,2HMM", name: str = "14Hcan; in, mm.xx") -> Path:
+    """Return an IGES file whose global section declares a unit, and holds a string with delimiters in it."""
+    path = folder / "can.igs"
+    Part.makeCylinder(20, 60).exportIges(str(path))
+    lines = path.read_text().splitlines()
+    section = "".join(line[:72] for line in lines if line[72:73] == "G").replace("2,2HMM", unit)
+    section = section.replace("13HFilename.iges", name)
+    rows = [f"{section[start : start + 72]:72}G{start // 72 + 1:7}" for start in range(0, len(section), 72)]
+    kept = [line for line in lines if line[72:73] != "G"]
+    path.write_text("\n".join([kept[0], *rows, *kept[1:]]) + "\n")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("unit", "name"),
+    [("2,2HMM", "millimetre"), ("1,2HIN", "inch"), ("6,1HM", "metre"), ("10,", "centimetre"), (",", "inch")],
+)
+def test_the_unit_of_an_iges_file_is_that_of_its_header(tmp_path, unit, name):
+    assert declared_unit(exported_iges(tmp_path, unit)) == name
+
+
+def test_an_iges_file_is_told_with_its_unit_and_without_solids(tmp_path):
+    found = inspect(exported_iges(tmp_path))
+    assert found["unit"] == "millimetre"
+    assert any(line.split() == ["solids", "none,", "only", "faces"] for line in in_words(found))
+
+
+def test_a_solid_that_is_inside_out_is_turned_and_told(tmp_path):
+    path = tmp_path / "can.brep"
+    Part.makeCylinder(20, 60).reversed().exportBrep(str(path))
+    mold = read_mold(path)
+    assert mold.solid.Volume > 0.0
+    assert mold.repairs == ("it was inside out: its faces were turned outward",)
+    assert mold.repairs[0] in inspect(path)["faults"]
+    assert inspect(MOLDS / "jar.step")["faults"] == []

@@ -130,7 +130,7 @@ def _facts(candidate: Candidate, outer: Mesh) -> SolidFacts:
     if solid is None:
         return SolidFacts(True, True, crossing, len(candidate.inside.triangles))
     closed = len(solid.Solids) == 1 and all(shell.isClosed() for shell in solid.Shells)
-    return SolidFacts(solid.isValid(), closed, crossing, len(solid.Faces))
+    return SolidFacts(solid.isValid(), closed, crossing, len(solid.Faces), candidate.facets_off_mm)
 
 
 def _fault(

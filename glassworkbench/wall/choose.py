@@ -92,6 +92,8 @@ def hollow(
         If no method's result is good enough; the message says what was tried.
     """
     start = time.monotonic()
+    if not isinstance(mold, Mold):
+        raise InputError(f"mold: {mold!r} is no mold; give what read_mold returns")
     thickness = as_thickness(thickness, tuple(reversed(mold.anatomy.regions)))
     if method not in METHODS:
         raise unknown_name("method", method, METHODS)
@@ -156,7 +158,11 @@ def as_thickness(value: Thickness | str | float, regions: Sequence[str] = REGION
     """Return a thickness as data, whether it is given so, as text about the mold's regions, or as a number of mm."""
     if isinstance(value, str):
         return parse_thickness(value, regions)
-    return UniformThickness(value) if isinstance(value, (int, float, np.floating)) else value
+    if isinstance(value, Thickness):
+        return value
+    if isinstance(value, (int, float, np.number)) and not isinstance(value, bool):
+        return UniformThickness(float(value))
+    raise InputError(f"wall: {value!r} is no thickness; give mm as a number, or text like 'body=2 base=5'")
 
 
 def _check_fits(mold: Mold, asked: AskedThickness) -> None:
