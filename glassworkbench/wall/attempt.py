@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from glassworkbench.wall.measuring.measure import WallMeasure, in_finish_plane, 
 from glassworkbench.wall.measuring.outside import DEVIATION_MM, is_mouth, outside_of_mesh
 from glassworkbench.wall.measuring.self_intersection import intersections, self_intersections
 from glassworkbench.wall.measuring.surface import surface_area
+from glassworkbench.wall.measuring.swallowed import note_on_swallowed
 from glassworkbench.wall.measuring.volumes import Volume, mesh_volume, revolved_volume
 from glassworkbench.wall.methods.csg import csg
 from glassworkbench.wall.methods.inner_mesh import inner_mesh
@@ -95,7 +96,9 @@ def attempt(mold: Mold, thickness: Thickness, method: str, tolerance_mm: float, 
     outer, faces = outside_mesh(mold, min(DEVIATION_MM, DEVIATION_SHARE * asked.minimum_mm))
     mouth = is_mouth(mold, faces)
     wall = outside_of_mesh(outer, np.maximum(faces, 0), mouth, mold.anatomy.finish_height_mm, asked.at)
+    told = note_on_swallowed(wall, mold.anatomy.stem_top_mm)
     candidate = MAKERS[method](mold, asked, wall, MAKING_SHARE * (seconds - (time.monotonic() - begin)))
+    candidate = replace(candidate, notes=(*candidate.notes, *told))
     measured = measure_wall(candidate.inside, wall, stem_top_mm=mold.anatomy.stem_top_mm)
     capacity = _capacity(candidate)
     glass = _outer_volume(mold, outer).minus(capacity)
