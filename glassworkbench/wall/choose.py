@@ -132,10 +132,14 @@ def hollow(
     if impossible:
         raise impossible[-1]
     story = "; ".join(f"{made.method}: {made.why.removeprefix(f'{made.method}: ')}" for made in attempts)
+    remedy = (
+        "ask for another wall, a larger tolerance or more time, or take the best there is (accept_best=True)"
+        if rejected
+        else "ask for another wall or more time"
+    )
     raise HollowingError(
         tuple(attempts),
-        f"{mold.name}: no method gives a wall of {shortened(thickness)} mm within {tolerance:.3g} mm ({story}); "
-        "ask for another wall, a larger tolerance or more time, or take the best there is (accept_best=True)",
+        f"{mold.name}: no method gives a wall of {shortened(thickness)} mm within {tolerance:.3g} mm ({story}); {remedy}",
     )
 
 

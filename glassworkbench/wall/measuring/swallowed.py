@@ -45,8 +45,9 @@ class Swallowed:
 
     def __str__(self) -> str:
         return (
-            f"{self.thick_mm:.3g} mm asked at height {self.thick_at_mm:.1f} mm swallow the wall of {self.asked_mm:.3g} mm "
-            f"asked from {self.low_mm:.1f} to {self.high_mm:.1f} mm, {100.0 * self.share:.0f} % of the outside"
+            f"{self.thick_mm:.3g} mm asked at height {self.thick_at_mm:.1f} mm swallow the wall of "
+            f"{self.asked_mm:.3g} mm asked from {self.low_mm:.1f} to {self.high_mm:.1f} mm, "
+            f"{100.0 * self.share:.0f} % of the outside"
         )
 
 
