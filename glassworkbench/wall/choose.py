@@ -139,7 +139,8 @@ def hollow(
     )
     raise HollowingError(
         tuple(attempts),
-        f"{mold.name}: no method gives a wall of {shortened(thickness)} mm within {tolerance:.3g} mm ({story}); {remedy}",
+        f"{mold.name}: no method gives a wall of {shortened(thickness)} mm within {tolerance:.3g} mm ({story}); "
+        f"{remedy}",
     )
 
 
