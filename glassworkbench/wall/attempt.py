@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from glassworkbench.errors import InputError
 from glassworkbench.freecad import Part
 from glassworkbench.mold import Mold, tessellate
 from glassworkbench.mold.faults import near
@@ -16,7 +15,7 @@ from glassworkbench.mold.self_intersection import faces_cross, intersections, se
 from glassworkbench.mold.tessellation import outside_mesh
 from glassworkbench.scene import Mesh
 from glassworkbench.wall.asking.thickness import Thickness
-from glassworkbench.wall.candidate import Candidate, Method
+from glassworkbench.wall.candidate import Candidate, HopelessError, Method
 from glassworkbench.wall.container import SolidFacts
 from glassworkbench.wall.measuring.measure import WallMeasure, in_finish_plane, measure_wall
 from glassworkbench.wall.measuring.outside import DEVIATION_MM, is_mouth, outside_of_mesh
@@ -88,8 +87,10 @@ def attempt(mold: Mold, thickness: Thickness, method: str, tolerance_mm: float, 
 
     Raises
     ------
+    HopelessError
+        If the mold crosses itself, or the wall asked swallows too much of itself.
     InputError
-        If the mold crosses itself, or the wall cannot be: the message says where, and how much fits.
+        If the wall cannot be: the message says where, and how much fits.
     GlassWorkbenchError
         If the method fails.
     """
@@ -125,7 +126,7 @@ def _check_simple(mold: Mold, outer: Mesh) -> None:
         places = places[places[:, 2] < mold.anatomy.regions["finish"][0]]
     if len(places) and faces_cross(mold.upright):
         place = mold.placement[:3, :3] @ places[0] + mold.placement[:3, 3]
-        raise InputError(
+        raise HopelessError(
             f"{mold.name}: the mold crosses itself {near(place)}, so inside and outside cannot be told apart; "
             "mend it in the CAD program"
         )

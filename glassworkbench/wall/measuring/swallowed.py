@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from glassworkbench.errors import InputError
+from glassworkbench.wall.candidate import HopelessError
 from glassworkbench.wall.measuring.outside import Outside
 from glassworkbench.wall.measuring.surface import facets
 
@@ -91,7 +91,7 @@ def note_on_swallowed(wall: Outside, stem_top_mm: float) -> tuple[str, ...]:
 
     Raises
     ------
-    InputError
+    HopelessError
         If it is so much that the wall is not what was asked.
     """
     lost = swallowed(wall, stem_top_mm)
@@ -99,5 +99,5 @@ def note_on_swallowed(wall: Outside, stem_top_mm: float) -> tuple[str, ...]:
         return ()
     if lost.share > MOST_SHARE:
         most = lost.thick_mm * MOST_SHARE / lost.share
-        raise InputError(f"wall: {lost}; ask for at most about {most:.2g} mm there")
-    return (f"the wall of {lost}",)
+        raise HopelessError(f"wall: {lost}; ask for at most about {most:.2g} mm there")
+    return (str(lost),)
