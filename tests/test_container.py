@@ -193,8 +193,14 @@ def test_a_wall_that_varies_on_a_square_mold_is_lofted(square):
 
 
 def test_a_method_that_runs_out_of_time_is_an_outcome(square):
-    with pytest.raises(GlassWorkbenchError, match="did not finish within"):
+    with pytest.raises(GlassWorkbenchError, match="did not finish within") as caught:
         hollow(square, 3, seconds=0.05)
+    assert "best" not in str(caught.value)
+
+
+def test_the_best_there_is_is_offered_where_there_is_one(square):
+    with pytest.raises(HollowingError, match="take the best there is"):
+        hollow(square, "0:4 100:3", method="lofted", tolerance_mm=1e-6)
 
 
 def test_a_worker_that_crashes_is_an_outcome(square, monkeypatch):

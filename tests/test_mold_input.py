@@ -1,5 +1,7 @@
 """Files that cannot be a mold are refused with one sentence, and OCC's noise stays away from the user."""
 
+import math
+import re
 from pathlib import Path
 
 import pytest
@@ -9,6 +11,7 @@ from glassworkbench.freecad import FreeCAD, Part
 from glassworkbench.mold import inspect, mold_from_shape, read_mold
 from glassworkbench.mold.inspection_words import in_words
 from glassworkbench.mold.units import declared_unit
+from glassworkbench.wall import hollow
 
 MOLDS = Path(__file__).resolve().parent.parent / "examples" / "molds"
 
@@ -160,6 +163,31 @@ def test_inspect_says_where_a_mold_departs_from_a_body_of_revolution(write):
     assert found["departure_mm"] == pytest.approx((25**2 + 2**2) ** 0.5 - 20, abs=1e-3)
     assert 30 <= found["departure_at"]["height_mm"] <= 38
     assert found["departure_at"]["angle_deg"] == pytest.approx(90, abs=6)
+
+
+def crossing_bottle() -> Part.Shape:
+    """Turn an outline that crosses itself at radius 33, height 63."""
+    outline = [(0, 0), (30, 0), (30, 60), (36, 66), (36, 60), (28, 68), (12, 90), (12, 120), (0, 120), (0, 0)]
+    face = Part.Face(Part.makePolygon([FreeCAD.Vector(x, 0, z) for x, z in outline]))
+    return Part.makeSolid(face.revolve(FreeCAD.Vector(), FreeCAD.Vector(0, 0, 1), 360).Shells[0])
+
+
+def test_inspect_says_where_a_mold_crosses_itself(write):
+    (fault,) = [fault for fault in inspect(write(crossing_bottle()))["faults"] if "crosses itself" in fault]
+    x, y, z = map(float, re.search(r"near \((.*)\) mm", fault).group(1).split(","))
+    assert math.hypot(x, y) == pytest.approx(33, abs=0.5)
+    assert z == pytest.approx(63, abs=0.5)
+
+
+def test_a_mold_that_crosses_itself_is_refused_before_any_method_tries(write):
+    with pytest.raises(InputError, match=r"the mold crosses itself near \(.*, 63\.0\) mm"):
+        hollow(read_mold(write(crossing_bottle())), 2.0)
+
+
+def test_seams_of_an_iges_file_are_no_crossings(tmp_path):
+    path = tmp_path / "bottle.iges"
+    Part.read(str(MOLDS / "wine_bottle.step")).exportIges(str(path))
+    assert not [fault for fault in inspect(path)["faults"] if "crosses" in fault]
 
 
 def test_inspect_takes_a_doubtful_size_for_a_fault(write):

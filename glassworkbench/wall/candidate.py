@@ -7,7 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from glassworkbench.errors import GlassWorkbenchError
+from glassworkbench.errors import GlassWorkbenchError, InputError
 from glassworkbench.freecad import Part
 from glassworkbench.mold import Mold
 from glassworkbench.scene import Mesh, Surface
@@ -68,6 +68,10 @@ class Method(Protocol):
         GlassWorkbenchError
             If the method cannot make it, which another may.
         """
+
+
+class HopelessError(InputError):
+    """Whatever the method, there is no such container: no other need try."""
 
 
 class NoCandidateError(GlassWorkbenchError):

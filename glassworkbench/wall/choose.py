@@ -18,7 +18,7 @@ from glassworkbench.wall.asking.shortened import shortened
 from glassworkbench.wall.asking.thickness import REGIONS, Thickness, UniformThickness
 from glassworkbench.wall.asking.thickness_text import parse_thickness
 from glassworkbench.wall.attempt import MAKERS, Attempted, attempt
-from glassworkbench.wall.candidate import NoCandidateError
+from glassworkbench.wall.candidate import HopelessError, NoCandidateError
 from glassworkbench.wall.container import Attempt, Container, WallReport
 from glassworkbench.wall.levels.narrow import no_room
 from glassworkbench.wall.measuring.contents import centre_of_gravity, weight_g
@@ -126,7 +126,7 @@ def hollow(
         attempts.append(Attempt(rung.method, outcome, why, time.monotonic() - begin, details))
         if outcome == "accepted":
             return _container(mold, thickness, rung.method, attempted, attempts, tolerance, time.monotonic() - start)
-        if outcome == "impossible" and rung.method == "revolved":
+        if outcome == "impossible" and (rung.method == "revolved" or isinstance(impossible[-1], HopelessError)):
             break
     if rejected and accept_best:
         name, best = min(rejected, key=lambda made: made[1].wall.deviation_p99_mm)
@@ -134,10 +134,15 @@ def hollow(
     if impossible:
         raise impossible[-1]
     story = "; ".join(f"{made.method}: {made.why.removeprefix(f'{made.method}: ')}" for made in attempts)
+    remedy = (
+        "ask for another wall, a larger tolerance or more time, or take the best there is (accept_best=True)"
+        if rejected
+        else "ask for another wall or more time"
+    )
     raise HollowingError(
         tuple(attempts),
         f"{mold.name}: no method gives a wall of {shortened(thickness)} mm within {tolerance:.3g} mm ({story}); "
-        "ask for another wall, a larger tolerance or more time, or take the best there is (accept_best=True)",
+        f"{remedy}",
     )
 
 
