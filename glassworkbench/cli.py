@@ -226,6 +226,8 @@ def _hollow(options: argparse.Namespace) -> None:
         container.save_map(options.map)
     wall = shortened(container.thickness)
     told = _told_of_wall(wall, report)
+    if container.solid is not None and container.report.solid.facets_off_mm > 0.0:
+        told += f", flat facets inside up to {container.report.solid.facets_off_mm:.2g} mm off"
     if output.suffix.lower() == ".stl" and container.solid is not None:
         told += f", triangles within {STL_DEVIATION_MM:g} mm"
     _answer(options, report, f"{', '.join(map(str, outputs))}: {told}")

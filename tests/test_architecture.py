@@ -22,7 +22,7 @@ MAY_IMPORT = {
     "scene": COMMON | {"glass", "images"},
     "staging": COMMON | {"glass", "scene"},
     "tracer": COMMON | {"scene", "images"},
-    "mold": COMMON | {"freecad", "scene"},
+    "mold": COMMON | {"freecad", "scene", "spatial"},
     "wall": COMMON | {"freecad", "scene", "glass", "mold", "spatial"},
 }
 

@@ -372,7 +372,7 @@ def test_the_program_runs_from_anywhere_with_any_names(tmp_path, route):
     done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=120)
     assert done.returncode == 2
     assert done.stdout == ""
-    assert done.stderr == "glassworkbench: die Kugl.toml: there is no such file\n"
+    assert done.stderr == "glassworkbench: die Kugl.toml: there is no such file; check the path\n"
 
 
 @pytest.mark.parametrize("route", ["module", "freecadcmd"])

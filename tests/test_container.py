@@ -119,7 +119,7 @@ def test_the_report_has_the_documented_keys(cylinder):
     assert set(report["tried"][0]) == {"method", "outcome", "why", "seconds", "details"}
     wall = {"asked", "samples", "min_mm", "min_at_mm", "deviation_max_mm", "deviation_p99_mm", "deviation_rms_mm"}
     assert wall <= set(report["wall"])
-    assert set(report["solid"]) == {"valid", "closed", "self_intersecting", "faces"}
+    assert set(report["solid"]) == {"valid", "closed", "self_intersecting", "faces", "facets_off_mm"}
     assert report["wall"]["asked"] == "0:3 120:2"
     assert report["wall"]["samples"] >= 2000
     assert len(report["wall"]["min_at_mm"]) == 3
@@ -193,8 +193,14 @@ def test_a_wall_that_varies_on_a_square_mold_is_lofted(square):
 
 
 def test_a_method_that_runs_out_of_time_is_an_outcome(square):
-    with pytest.raises(GlassWorkbenchError, match="did not finish within"):
+    with pytest.raises(GlassWorkbenchError, match="did not finish within") as caught:
         hollow(square, 3, seconds=0.05)
+    assert "best" not in str(caught.value)
+
+
+def test_the_best_there_is_is_offered_where_there_is_one(square):
+    with pytest.raises(HollowingError, match="take the best there is"):
+        hollow(square, "0:4 100:3", method="lofted", tolerance_mm=1e-6)
 
 
 def test_a_worker_that_crashes_is_an_outcome(square, monkeypatch):

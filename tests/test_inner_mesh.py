@@ -1,5 +1,6 @@
 """The inside as a level set: against closed forms, where faces vanish and walls merge, and CAD against mesh."""
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -7,7 +8,9 @@ import pytest
 from mesh_checks import crossings, euler_characteristic, share_across_creases
 from meshed_molds import as_mesh, ball_bottomed, cells_mesh, mesh_mold, uniform
 
+from glassworkbench.cli import main
 from glassworkbench.errors import GlassWorkbenchError, InputError
+from glassworkbench.freecad import Part
 from glassworkbench.mold import read_mold, tessellate
 from glassworkbench.wall.asking.asked import AskedThickness
 from glassworkbench.wall.levels.faceted import faceted_solid, fewer_facets
@@ -98,7 +101,7 @@ def test_a_thin_web_between_two_boxes_is_hollow_or_solid(thickness, reaches):
 
 def test_a_wall_without_room_is_refused_with_place_and_remedy():
     mold = mesh_mold(cells_mesh([-20, -8, 8, 20], [-20, -8, 8, 20], [0, 50, 90], _bottle()))
-    with pytest.raises(InputError, match=r"10 mm fill the container at height [5-8]\d\.\d mm, .* 8\.0\d mm fits"):
+    with pytest.raises(InputError, match=r"10 mm fills the container at height [5-8]\d\.\d mm, .* 8\.0\d mm fits"):
         hollowed(mold, 10.0)
     with pytest.raises(InputError, match="fill the container"):
         hollowed(mold, 30.0)
@@ -146,6 +149,17 @@ def test_the_tracers_cavity_reaches_past_the_mouth_and_a_mesh_has_no_solid():
     assert euler_characteristic(made.cavity) == 2
     assert made.solid is None
     assert "STL only" in made.notes[-1]
+    assert made.facets_off_mm == 0.0
+
+
+def test_the_answer_says_how_far_flat_facets_may_be_off(tmp_path, capsys):
+    path, out, told = (str(tmp_path / name) for name in ("can.brep", "out.brep", "report.json"))
+    Part.makeCylinder(20, 50).exportBrep(path)
+    assert main(["hollow", path, "--wall", "3", "--method", "inner_mesh", "-o", out, "--report", told]) == 0
+    off = json.loads(Path(told).read_text())["solid"]["facets_off_mm"]
+    # A chord of the round inside, and no worse than the corner of the floor lets it be.
+    assert 1e-4 < off < 0.5
+    assert f", flat facets inside up to {off:.2g} mm off" in capsys.readouterr().out
 
 
 def test_too_little_time_is_told_before_any_is_spent():

@@ -5,10 +5,14 @@ import shutil
 import subprocess
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import glassworkbench as gw
+from glassworkbench.freecad import Part
 from glassworkbench.images import read_image
+from glassworkbench.mold import mold_from_shape
+from glassworkbench.wall import FaceThickness, RegionalThickness, TabulatedThickness
 
 ROOT = Path(__file__).resolve().parent.parent
 MACRO = ROOT / "examples" / "macro.py"
@@ -56,3 +60,38 @@ def test_the_macro_api_says_so_when_a_name_is_wrong():
 def test_no_room_hides_a_verb():
     rooms = {path.stem for path in (ROOT / "glassworkbench").iterdir()}
     assert not rooms & set(gw.__all__)
+
+
+@pytest.fixture(scope="module")
+def can():
+    return mold_from_shape(Part.makeCylinder(30, 100), "can", up=(0, 0, 1))
+
+
+@pytest.mark.parametrize("wall", [{"body": 2}, [1, 2], None, True, np.array([1.0, 2.0])])
+def test_what_is_no_thickness_is_refused_in_one_sentence(can, wall):
+    with pytest.raises(gw.InputError, match=r"^wall: .* is no thickness; give mm as a number"):
+        gw.hollow(can, wall)
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: gw.hollow("jar.step", 2),
+        lambda: gw.read_mold(None),
+        lambda: gw.read_mold(ROOT / "examples" / "molds" / "jar.step", scale_to_mm="x"),
+        lambda: gw.inspect(5),
+        lambda: gw.read_container(None),
+        lambda: gw.read_scene(None),
+        lambda: gw.read_image(None),
+        lambda: gw.find_glass(None),
+        lambda: gw.station("studio", None, "flint"),
+        lambda: gw.render(None),
+        lambda: RegionalThickness(3),
+        lambda: RegionalThickness(("body",)),
+        lambda: FaceThickness(3, 2.0),
+        lambda: TabulatedThickness(1, 2),
+    ],
+)
+def test_an_argument_of_another_kind_is_refused_in_one_sentence(call):
+    with pytest.raises(gw.InputError, match=": "):
+        call()

@@ -19,6 +19,7 @@ from glassworkbench.mold import (
     tessellate,
 )
 from glassworkbench.mold.meridian import chain, face_profiles, points
+from glassworkbench.mold.silhouette import find_regions
 from glassworkbench.scene import Revolved
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -150,6 +151,41 @@ def test_regions_of_a_bordeaux_lie_where_its_drawing_has_them():
     assert 190 < regions["body"][1] < 210
     assert 222 < regions["shoulder"][1] < 240
     assert regions["neck"][1] == pytest.approx(283.5, abs=1.5)
+
+
+OUTLINES = {
+    "a ring below the shoulder": [(26, 0), (30, 4), (30, 128), (30.2, 130), (30.2, 138), (10, 190), (10, 240)],
+    "a taper": [(43, 0), (47, 5), (57, 107), (56, 115), (20, 150), (15, 253)],
+    "a cup": [(24, 0), (24, 3), (27, 3.1), (38, 83)],
+    "a bowl": [(45, 0), (46, 4), (65, 13), (78, 23), (86, 34), (92, 47), (98, 51)],
+    "a flaring neck": [(10, 0), (15, 5), (20, 14), (21.7, 23), (20, 34), (12, 49), (7, 66), (10, 78), (15, 85)],
+}
+
+
+def regions_of(outline):
+    radii, heights = np.array(outline, dtype=float).T
+    levels = heights[-1] * (np.arange(400) + 0.5) / 400
+    return find_regions(levels, np.interp(levels, heights, radii), None)
+
+
+@pytest.mark.parametrize("name", OUTLINES)
+def test_the_heel_ends_at_the_bend_however_the_body_goes_on(name):
+    regions = regions_of(OUTLINES[name])
+    width = 2.0 * max(radius for radius, _ in OUTLINES[name])
+    assert {"base", "heel", "body"} <= set(regions)
+    assert regions["base"][1] < 0.07 * width
+    assert regions["heel"][1] < 0.26 * width
+    assert regions["body"][0] == regions["heel"][1]
+
+
+def test_a_body_that_tapers_or_has_a_ring_is_one_from_its_heel_to_its_shoulder():
+    assert regions_of(OUTLINES["a ring below the shoulder"])["body"] == pytest.approx((4, 139), abs=2)
+    assert regions_of(OUTLINES["a taper"])["body"] == pytest.approx((5, 115), abs=2)
+
+
+def test_a_neck_that_flares_to_its_mouth_begins_below_its_waist():
+    regions = regions_of(OUTLINES["a flaring neck"])
+    assert regions["neck"][0] < 66 < regions["neck"][1]
 
 
 def test_only_the_wine_glass_has_a_stem():

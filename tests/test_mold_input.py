@@ -1,5 +1,7 @@
 """Files that cannot be a mold are refused with one sentence, and OCC's noise stays away from the user."""
 
+import math
+import re
 from pathlib import Path
 
 import pytest
@@ -7,6 +9,9 @@ import pytest
 from glassworkbench.errors import InputError
 from glassworkbench.freecad import FreeCAD, Part
 from glassworkbench.mold import inspect, mold_from_shape, read_mold
+from glassworkbench.mold.inspection_words import in_words
+from glassworkbench.mold.units import declared_unit
+from glassworkbench.wall import hollow
 
 MOLDS = Path(__file__).resolve().parent.parent / "examples" / "molds"
 
@@ -160,6 +165,68 @@ def test_inspect_says_where_a_mold_departs_from_a_body_of_revolution(write):
     assert found["departure_at"]["angle_deg"] == pytest.approx(90, abs=6)
 
 
+def crossing_bottle() -> Part.Shape:
+    """Turn an outline that crosses itself at radius 33, height 63."""
+    outline = [(0, 0), (30, 0), (30, 60), (36, 66), (36, 60), (28, 68), (12, 90), (12, 120), (0, 120), (0, 0)]
+    face = Part.Face(Part.makePolygon([FreeCAD.Vector(x, 0, z) for x, z in outline]))
+    return Part.makeSolid(face.revolve(FreeCAD.Vector(), FreeCAD.Vector(0, 0, 1), 360).Shells[0])
+
+
+def test_inspect_says_where_a_mold_crosses_itself(write):
+    (fault,) = [fault for fault in inspect(write(crossing_bottle()))["faults"] if "crosses itself" in fault]
+    x, y, z = map(float, re.search(r"near \((.*)\) mm", fault).group(1).split(","))
+    assert math.hypot(x, y) == pytest.approx(33, abs=0.5)
+    assert z == pytest.approx(63, abs=0.5)
+
+
+def test_a_mold_that_crosses_itself_is_refused_before_any_method_tries(write):
+    with pytest.raises(InputError, match=r"the mold crosses itself near \(.*, 63\.0\) mm"):
+        hollow(read_mold(write(crossing_bottle())), 2.0)
+
+
+def test_seams_of_an_iges_file_are_no_crossings(tmp_path):
+    path = tmp_path / "bottle.iges"
+    Part.read(str(MOLDS / "wine_bottle.step")).exportIges(str(path))
+    assert not [fault for fault in inspect(path)["faults"] if "crosses" in fault]
+
+
 def test_inspect_takes_a_doubtful_size_for_a_fault(write):
     found = inspect(write(Part.makeCylinder(3, 8)))
     assert "unusual for a container" in found["faults"][0]
+
+
+def exported_iges(folder: Path, unit: str = "2,2HMM", name: str = "14Hcan; in, mm.xx") -> Path:
+    """Return an IGES file whose global section declares a unit, and holds a string with delimiters in it."""
+    path = folder / "can.igs"
+    Part.makeCylinder(20, 60).exportIges(str(path))
+    lines = path.read_text().splitlines()
+    section = "".join(line[:72] for line in lines if line[72:73] == "G").replace("2,2HMM", unit)
+    section = section.replace("13HFilename.iges", name)
+    rows = [f"{section[start : start + 72]:72}G{start // 72 + 1:7}" for start in range(0, len(section), 72)]
+    kept = [line for line in lines if line[72:73] != "G"]
+    path.write_text("\n".join([kept[0], *rows, *kept[1:]]) + "\n")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("unit", "name"),
+    [("2,2HMM", "millimetre"), ("1,2HIN", "inch"), ("6,1HM", "metre"), ("10,", "centimetre"), (",", "inch")],
+)
+def test_the_unit_of_an_iges_file_is_that_of_its_header(tmp_path, unit, name):
+    assert declared_unit(exported_iges(tmp_path, unit)) == name
+
+
+def test_an_iges_file_is_told_with_its_unit_and_without_solids(tmp_path):
+    found = inspect(exported_iges(tmp_path))
+    assert found["unit"] == "millimetre"
+    assert any(line.split() == ["solids", "none,", "only", "faces"] for line in in_words(found))
+
+
+def test_a_solid_that_is_inside_out_is_turned_and_told(tmp_path):
+    path = tmp_path / "can.brep"
+    Part.makeCylinder(20, 60).reversed().exportBrep(str(path))
+    mold = read_mold(path)
+    assert mold.solid.Volume > 0.0
+    assert mold.repairs == ("it was inside out: its faces were turned outward",)
+    assert mold.repairs[0] in inspect(path)["faults"]
+    assert inspect(MOLDS / "jar.step")["faults"] == []

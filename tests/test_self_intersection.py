@@ -6,9 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from glassworkbench.freecad import FreeCAD, Part
+from glassworkbench.mold.self_intersection import intersections, self_intersections
 from glassworkbench.mold.tessellation import tessellate
 from glassworkbench.scene import Mesh
-from glassworkbench.wall.measuring.self_intersection import intersections, self_intersections
 
 
 def turned(profile, steps=48):

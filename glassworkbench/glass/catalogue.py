@@ -54,6 +54,8 @@ def _installed(kind: type[Material]) -> MappingProxyType[str, Material]:
 
 
 def _find(kind: type[Material], name: str) -> Material:
+    if not isinstance(name, str):
+        raise InputError(f"{_TABLES[kind]}: {name!r} is no name; give one of the catalogue, or a file of your own")
     file, colon, entry = name.rpartition(":")
     if name.endswith(".toml"):
         file, colon, entry = name, "", ""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -47,8 +48,10 @@ def read(path: str | Path) -> tuple[np.ndarray, tuple[str, ...], dict[str, str]]
     InputError
         If the file is missing or OpenImageIO cannot read it.
     """
+    if not isinstance(path, (str, os.PathLike)):
+        raise InputError(f"image: {path!r} is no path; give the name of a file")
     if not Path(path).is_file():
-        raise InputError(f"{path}: there is no such file")
+        raise InputError(f"{path}: there is no such file; check the path")
     source = OpenImageIO.ImageInput.open(str(path))
     if source is None:
         raise InputError(f"{path}: not an image that can be read ({OpenImageIO.geterror()})")

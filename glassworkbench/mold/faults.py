@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from glassworkbench.freecad import Part
+from glassworkbench.mold.measures import mesh_of
+from glassworkbench.mold.self_intersection import crossing_places, faces_cross
 
 LOOSE_MM = 1e-3
 """Edges that lie farther than this off their faces spoil offsets and booleans."""
 
 TINY_MM = 0.01
 """Edges shorter than this are leftovers of modelling; offsets fail at them."""
-
-MOST_CHECKED = 200
-"""Shapes of more faces are not searched for crossings: that takes minutes."""
 
 USUAL_MM = (20.0, 1500.0)
 """Sizes of containers; others make the unit doubtful."""
@@ -87,22 +88,13 @@ def _tiny_edges(shape: Part.Shape) -> list[str]:
 
 
 def _crossings(shape: Part.Shape) -> list[str]:
-    if len(shape.Faces) > MOST_CHECKED:
-        return []
     # Solids of an assembly may touch each other: each is searched by itself.
-    if not any(_crosses(part) for part in shape.Solids or [shape]):
+    crossing = [part for part in shape.Solids or [shape] if faces_cross(part)]
+    if not crossing:
         return []
-    faces = [number for number, face in enumerate(shape.Faces, start=1) if _crosses(face)]
-    where = f"within {_numbered(shape, faces)}" if faces else "where faces or edges meet"
-    return [f"its surface crosses itself {where}"]
-
-
-def _crosses(shape: Part.Shape) -> bool:
-    try:
-        shape.check(True)
-    except ValueError as error:
-        return "SelfIntersect" in str(error)
-    return False
+    vertices, triangles = mesh_of(crossing[0])
+    places = crossing_places(vertices[triangles])
+    return [f"its surface crosses itself{f' {near(places[0])}' if len(places) else ''}"]
 
 
 def _numbered(shape: Part.Shape, faces: list[int]) -> str:
@@ -112,6 +104,11 @@ def _numbered(shape: Part.Shape, faces: list[int]) -> str:
 
 
 def _near(part: Part.Shape) -> str:
+    return near(part.CenterOfMass)
+
+
+def near(place_mm: Sequence[float]) -> str:
+    """Return where a place (3,) of the CAD file is, in words."""
     # Adding 0 makes zero of a minus zero.
-    x, y, z = np.round(part.CenterOfMass, 1) + 0.0
+    x, y, z = np.round(place_mm, 1) + 0.0
     return f"near ({x:.1f}, {y:.1f}, {z:.1f}) mm"

@@ -14,7 +14,7 @@ from glassworkbench.mold.mesh_mold import mold_from_mesh
 from glassworkbench.mold.mold import Mold, mold_from_shape
 from glassworkbench.mold.read import MESH_ENDINGS, read_shape, sha256
 from glassworkbench.scene.meshes import read_triangles
-from glassworkbench.scene.validate import positive
+from glassworkbench.scene.validate import file_path, positive
 
 
 def read_mold(
@@ -45,7 +45,7 @@ def read_mold(
     InputError
         If the file cannot be read, does not hold exactly one closed solid, or its axis or finish cannot be found.
     """
-    path = Path(path)
+    path = file_path(path)
     options = {"axis": axis, "up": up, "outer_shell": outer_shell, "close_open_shell": close_open_shell}
     if path.suffix.lower() in MESH_ENDINGS:
         if finish_height_mm is not None or block:

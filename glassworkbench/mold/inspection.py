@@ -19,12 +19,12 @@ from glassworkbench.mold.faults import faults
 from glassworkbench.mold.files import read_mesh_mm
 from glassworkbench.mold.measures import mesh_of, signed_volume
 from glassworkbench.mold.mesh_mold import mold_from_mesh
-from glassworkbench.mold.mold import Mold, mold_from_shape, outward, single_solid
+from glassworkbench.mold.mold import INSIDE_OUT, Mold, faces_inward, mold_from_shape, outward, single_solid
 from glassworkbench.mold.read import MESH_ENDINGS, STEP_ENDINGS, read_shape, sha256
+from glassworkbench.mold.units import declared_unit
+from glassworkbench.scene.validate import file_path
 
 STEP_ENTITY = re.compile(r"#\d+\s*=\s*([A-Z][A-Z0-9_]*)\s*\(")
-STEP_SI_LENGTH = re.compile(r"LENGTH_UNIT\s*\(\s*\)[^;]*?SI_UNIT\s*\(\s*(?:\.(\w+)\.|\$)\s*,\s*\.METRE\.")
-STEP_NAMED_LENGTH = re.compile(r"CONVERSION_BASED_UNIT\s*\(\s*'(\w+)'[^;]*?LENGTH_UNIT")
 
 UNKNOWN = (
     "mesh_volume_mm3",
@@ -77,12 +77,12 @@ def inspect(
     InputError
         If the file cannot be read at all; what can be read but not used is told under `faults`.
     """
-    path = Path(path)
+    path = file_path(path)
     if path.suffix.lower() in MESH_ENDINGS:
         return _inspect_mesh(path, scale_to_mm, outer_shell, close_open_shell)
     shape = read_shape(path, scale_to_mm=scale_to_mm)
     text = path.read_text(encoding="latin-1") if path.suffix.lower() in STEP_ENDINGS else ""
-    unit = _unit(text)
+    unit = declared_unit(path)
     found = {
         "path": str(path),
         "sha256": sha256(path),
@@ -106,6 +106,8 @@ def inspect(
         if close_open_shell:
             shape, repairs = closed_solid(shape)
             found["faults"] += repairs
+        if faces_inward(shape):
+            found["faults"].append(INSIDE_OUT)
         solid, vertices, triangles = outward(single_solid(shape))
         found["mesh_volume_mm3"] = signed_volume(vertices, triangles)
         standing = find_standing(solid, vertices, triangles)
@@ -194,12 +196,3 @@ def _heights(standing: Standing, vertices_mm: np.ndarray) -> dict:
         "finish_height_mm": float(np.ptp(heights)),
         "finish_outer_radius_mm": float(np.hypot(*upright[near_rim, :2].T).max()),
     }
-
-
-def _unit(step_text: str) -> str | None:
-    """Return the length unit that a STEP file declares, like millimetre or inch; None for another kind of file."""
-    named = STEP_NAMED_LENGTH.search(step_text)
-    if named:
-        return named.group(1).lower()
-    si = STEP_SI_LENGTH.search(step_text)
-    return f"{(si.group(1) or '').lower()}metre" if si else None

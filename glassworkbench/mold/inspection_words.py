@@ -62,6 +62,8 @@ def _told(found: Mapping) -> Iterator[tuple[str, list[str]]]:
     yield "faces", [_listed(_surfaces(count, kind) for kind, count in found["faces"].items())]
     if found["solids"]:
         yield "solids", [str(found["solids"])]
+    elif set(found["faces"]) != {"Triangle"}:
+        yield "solids", ["none, only faces"]
     if found["mesh_volume_mm3"] is not None:
         yield "volume", [f"{number(found['mesh_volume_mm3'])} mm3"]
     if found["hollow"] is not None:

@@ -30,6 +30,8 @@ SMALLEST_MM, LARGEST_MM = 4.0, 10_000.0
 EMBOSSED_SHARE = 0.1
 """What stands out from a round core by less than this share of the largest radius is a thread or embossing."""
 
+INSIDE_OUT = "it was inside out: its faces were turned outward"
+
 
 @dataclass(frozen=True, eq=False)
 class Mold:
@@ -109,10 +111,11 @@ def mold_from_shape(
     InputError
         As `read_mold`.
     """
-    repairs: list[str] = []
+    repairs: list[str] = [INSIDE_OUT] if faces_inward(shape) else []
     if block:
         cavity = find_cavity(shape)
-        shape, repairs = cavity.solid, [cavity.told]
+        shape = cavity.solid
+        repairs.append(cavity.told)
         up = cavity.up if up is None and axis is None else up
     if close_open_shell:
         shape, told = closed_solid(shape)
@@ -223,6 +226,11 @@ def single_solid(shape: Part.Shape) -> Part.Shape:
             "or have its flat holes closed (close_open_shell=True)"
         )
     return solid
+
+
+def faces_inward(shape: Part.Shape) -> bool:
+    """Return whether a shape is one solid whose faces are turned inward."""
+    return len(shape.Solids) == 1 and shape.Solids[0].Volume < 0.0
 
 
 def outward(solid: Part.Shape) -> tuple[Part.Shape, np.ndarray, np.ndarray]:

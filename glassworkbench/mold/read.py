@@ -12,9 +12,11 @@ from pathlib import Path
 
 from glassworkbench.errors import InputError
 from glassworkbench.freecad import FreeCAD, Part
+from glassworkbench.scene.validate import file_path, positive
 
 STEP_ENDINGS = (".step", ".stp")
-ENDINGS = (*STEP_ENDINGS, ".iges", ".igs", ".brep", ".brp", ".fcstd")
+IGES_ENDINGS = (".iges", ".igs")
+ENDINGS = (*STEP_ENDINGS, *IGES_ENDINGS, ".brep", ".brp", ".fcstd")
 MESH_ENDINGS = (".stl", ".obj", ".ply")
 
 
@@ -37,7 +39,7 @@ def read_shape(
     InputError
         If the file is missing, empty, of another kind, cut short, or holds no shape.
     """
-    path = Path(path)
+    path = file_path(path)
     _check_file(path)
     try:
         with silenced_output():
@@ -48,8 +50,7 @@ def read_shape(
     if empty:
         raise InputError(f"{path}: it holds no surface that could be a container; export the container as a solid")
     if scale_to_mm is not None:
-        if not (0.0 < scale_to_mm < float("inf")):
-            raise InputError(f"scale_to_mm: must be above 0, got {scale_to_mm:g}")
+        scale_to_mm = positive(scale_to_mm, "scale_to_mm")
         shape = shape.scaled(scale_to_mm, FreeCAD.Vector()) if scale_to_mm != 1.0 else shape
     return shape
 

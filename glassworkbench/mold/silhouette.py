@@ -10,6 +10,12 @@ import numpy as np
 STEM_SHARE = 0.35
 """A waist thinner than this share of what is above and below it is a stem; bottle necks are above 0.9 of the finish."""
 
+TALL_HEEL_SHARE = 0.15
+"""A heel higher than this share of the body's diameter is none: the body widens slowly above its true heel."""
+
+HIGHEST_HEEL_SHARE, HIGHEST_BASE_SHARE = 0.25, 0.06
+"""Bodies that widen all the way up, like bowls, end their heel and base at these shares of the diameter."""
+
 
 @dataclass(frozen=True)
 class Stem:
@@ -100,8 +106,9 @@ def find_regions(heights_mm: np.ndarray, radii_mm: np.ndarray, stem: Stem | None
     """Return the heights (low, high) in mm of the regions there are, from bottom to top, without gaps.
 
     `base` ends where the outside, followed from below, has turned from facing down to facing sideways (45 degrees);
-    `heel` where it reaches the body's width; `shoulder` begins where the width leaves the body's; `neck` where it has
-    come down to the neck's; `finish` where the neck widens to its ring or thread, or near the top where it does not.
+    `heel` where it reaches the body's width or, if the body tapers, its slope; `shoulder` begins where the width leaves
+    the body's; `neck` where it has come down to the neck's; `finish` where the neck widens to its ring or thread, or
+    near the top where it does not.
     A push-up belongs to the base although it rises above it. A stemmed glass has `base` (the foot) and `stem` below
     its body.
     """
@@ -116,9 +123,10 @@ def find_regions(heights_mm: np.ndarray, radii_mm: np.ndarray, stem: Stem | None
         lowest_body = int(np.searchsorted(heights_mm, stem.top_mm))
     else:
         widest = radii_mm[: max(1, len(radii_mm) * 2 // 3)].max()
-        heel = int(np.argmax(radii_mm > 0.998 * widest))
+        heel = _heel_end(heights_mm, radii_mm, widest)
         turned = np.flatnonzero(np.diff(radii_mm[: heel + 1]) > step)
         base_top = heights_mm[turned[-1] + 1] if len(turned) else bottom + 0.3 * (heights_mm[heel] - bottom)
+        base_top = min(base_top, 2.0 * HIGHEST_BASE_SHARE * widest, 0.5 * heights_mm[heel])
         cuts += [("base", max(base_top, bottom + 0.25 * step)), ("heel", heights_mm[heel] + 0.5 * step)]
         lowest_body = heel
     body_radius = radii_mm[lowest_body:].max()
@@ -126,7 +134,10 @@ def find_regions(heights_mm: np.ndarray, radii_mm: np.ndarray, stem: Stem | None
     if stem is None and radii_mm[finish] < 0.95 * body_radius:
         neck_radius = radii_mm[max(lowest_body, finish - max(1, int(3.0 / step))) : finish + 1].min()
         shoulder = int(np.flatnonzero(radii_mm[: finish + 1] > 0.98 * body_radius)[-1])
-        wide = np.flatnonzero(radii_mm[shoulder : finish + 1] > neck_radius + 0.06 * (body_radius - neck_radius))
+        waist = shoulder + int(np.argmin(radii_mm[shoulder : finish + 1]))
+        # A vase's neck flares again toward its mouth.
+        neck_end = waist if radii_mm[waist] < 0.9 * neck_radius else finish
+        wide = np.flatnonzero(radii_mm[shoulder : neck_end + 1] > neck_radius + 0.06 * (body_radius - neck_radius))
         neck = min(shoulder + int(wide[-1]) if len(wide) else shoulder, finish)
         cuts += [("body", heights_mm[shoulder]), ("shoulder", heights_mm[neck]), ("neck", heights_mm[finish])]
     else:
@@ -139,6 +150,21 @@ def find_regions(heights_mm: np.ndarray, radii_mm: np.ndarray, stem: Stem | None
             regions[name] = (float(low), float(high))
             low = high
     return regions
+
+
+def _heel_end(heights_mm: np.ndarray, radii_mm: np.ndarray, widest_mm: float) -> int:
+    """Return the level where the heel ends.
+
+    That is where the outline reaches the body's width. If it does so too far up, the body tapers or carries a ring:
+    then it is the bend of the outline, where that stands out the most from the line to its widest place.
+    """
+    wide = int(np.argmax(radii_mm > 0.998 * widest_mm))
+    if heights_mm[wide] <= 2.0 * TALL_HEEL_SHARE * widest_mm:
+        return wide
+    ends = [0, wide]
+    bend = int(np.argmax((radii_mm - np.interp(heights_mm, heights_mm[ends], radii_mm[ends]))[: wide + 1]))
+    highest = int(np.searchsorted(heights_mm, 2.0 * HIGHEST_HEEL_SHARE * widest_mm))
+    return min(bend, highest)
 
 
 def _finish_start(heights_mm: np.ndarray, radii_mm: np.ndarray) -> int:

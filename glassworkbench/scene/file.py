@@ -18,7 +18,7 @@ from glassworkbench.scene.media import Medium
 from glassworkbench.scene.mesh import Mesh
 from glassworkbench.scene.meshes import read_mesh
 from glassworkbench.scene.scene import Scene
-from glassworkbench.scene.validate import finite, finite_array, unit_vector
+from glassworkbench.scene.validate import file_path, finite, finite_array, unit_vector
 from glassworkbench.settings import check_keys, read_toml, unknown_name
 
 
@@ -37,7 +37,7 @@ def read_scene(path: str | Path, read_step: Callable[[Path], Surface] | None = N
     InputError
         If a file is missing or a key misspelt, absent or impossible; the message names it.
     """
-    path = Path(path)
+    path = file_path(path)
     tables = read_toml(path)
     check_keys(tables, ("camera", "light"), ("image", "body", "medium", "metadata"), str(path))
     reader = _Reader(path.parent, read_step)
@@ -162,7 +162,7 @@ def read_meridian(path: str | Path) -> np.ndarray:
     """
     path = Path(path)
     if not path.is_file():
-        raise InputError(f"{path}: there is no such file")
+        raise InputError(f"{path}: there is no such file; check the path")
     rows = []
     for number, line in enumerate(path.read_text(encoding="utf-8", errors="replace").splitlines(), start=1):
         if not line.strip() or line.lstrip().startswith("#"):

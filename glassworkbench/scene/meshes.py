@@ -49,7 +49,7 @@ def read_triangles(path: str | Path) -> tuple[np.ndarray, np.ndarray, np.ndarray
     if path.suffix.lower() not in readers:
         raise InputError(f"{path}: a mesh must end in {', '.join(readers)}")
     if not path.is_file():
-        raise InputError(f"{path}: there is no such file")
+        raise InputError(f"{path}: there is no such file; check the path")
     try:
         return readers[path.suffix.lower()](path.read_bytes())
     except (ValueError, IndexError, KeyError, struct.error) as error:

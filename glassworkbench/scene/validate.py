@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+from pathlib import Path
+
 import numpy as np
 
 from glassworkbench.errors import InputError
@@ -29,6 +32,13 @@ def finite_array(value: object, shape: tuple[int | None, ...], field: str) -> np
         raise InputError(f"{field}: every number must be finite (no NaN, no infinity)")
     array.setflags(write=False)
     return array
+
+
+def file_path(value: object) -> Path:
+    """Return `value` as a path, or raise an InputError."""
+    if not isinstance(value, (str, os.PathLike)):
+        raise InputError(f"file: {value!r} is no path; give the name of a file")
+    return Path(value)
 
 
 def positive(value: object, field: str) -> float:

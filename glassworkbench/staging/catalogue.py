@@ -61,6 +61,8 @@ def station(
         If a name is not known, the level lies outside the container, or the size is impossible.
     """
     check_station(name)
+    if not isinstance(geometry, ContainerGeometry):
+        raise InputError(f"container: {geometry!r} is none; give the geometry() of what hollow returns")
     if min(size) < 1:
         raise InputError(f"image size: {size[0]}x{size[1]} pixels is impossible; each side is at least 1")
     glass = find_glass(glass) if isinstance(glass, str) else glass

@@ -93,6 +93,8 @@ def render(
     started = time.perf_counter()
     if tolerance is None:
         tolerance = DEFAULT_TOLERANCE if seconds is None else TIMED_TOLERANCE
+    if not isinstance(scene, Scene):
+        raise InputError(f"scene: {scene!r} is no scene; give what station or read_scene returns")
     chosen = plan(scene, tolerance, effects)
     if seconds is not None:
         positive(seconds, "seconds")

@@ -4,21 +4,23 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from glassworkbench.freecad import Part
 from glassworkbench.mold import Mold, tessellate
+from glassworkbench.mold.faults import near
+from glassworkbench.mold.self_intersection import faces_cross, intersections, self_intersections
 from glassworkbench.mold.tessellation import outside_mesh
 from glassworkbench.scene import Mesh
 from glassworkbench.wall.asking.thickness import Thickness
-from glassworkbench.wall.candidate import Candidate, Method
+from glassworkbench.wall.candidate import Candidate, HopelessError, Method
 from glassworkbench.wall.container import SolidFacts
 from glassworkbench.wall.measuring.measure import WallMeasure, in_finish_plane, measure_wall
 from glassworkbench.wall.measuring.outside import DEVIATION_MM, is_mouth, outside_of_mesh
-from glassworkbench.wall.measuring.self_intersection import intersections, self_intersections
 from glassworkbench.wall.measuring.surface import surface_area
+from glassworkbench.wall.measuring.swallowed import note_on_swallowed
 from glassworkbench.wall.measuring.volumes import Volume, mesh_volume, revolved_volume
 from glassworkbench.wall.methods.csg import csg
 from glassworkbench.wall.methods.inner_mesh import inner_mesh
@@ -85,6 +87,8 @@ def attempt(mold: Mold, thickness: Thickness, method: str, tolerance_mm: float, 
 
     Raises
     ------
+    HopelessError
+        If the mold crosses itself, or the wall asked swallows too much of itself.
     InputError
         If the wall cannot be: the message says where, and how much fits.
     GlassWorkbenchError
@@ -93,9 +97,12 @@ def attempt(mold: Mold, thickness: Thickness, method: str, tolerance_mm: float, 
     begin = time.monotonic()
     asked = thickness.on(mold)
     outer, faces = outside_mesh(mold, min(DEVIATION_MM, DEVIATION_SHARE * asked.minimum_mm))
+    _check_simple(mold, outer)
     mouth = is_mouth(mold, faces)
     wall = outside_of_mesh(outer, np.maximum(faces, 0), mouth, mold.anatomy.finish_height_mm, asked.at)
+    told = note_on_swallowed(wall, mold.anatomy.stem_top_mm)
     candidate = MAKERS[method](mold, asked, wall, MAKING_SHARE * (seconds - (time.monotonic() - begin)))
+    candidate = replace(candidate, notes=(*candidate.notes, *told))
     measured = measure_wall(candidate.inside, wall, stem_top_mm=mold.anatomy.stem_top_mm)
     capacity = _capacity(candidate)
     glass = _outer_volume(mold, outer).minus(capacity)
@@ -110,6 +117,19 @@ def attempt(mold: Mold, thickness: Thickness, method: str, tolerance_mm: float, 
         surface_area(candidate.inside, ~in_finish_plane(candidate.inside)),
         _fault(candidate, measured, solid, capacity, glass, tolerance_mm),
     )
+
+
+def _check_simple(mold: Mold, outer: Mesh) -> None:
+    """Refuse a mold that crosses itself below its finish, where threads that do are left aside like embossing."""
+    places = np.zeros((0, 3)) if mold.upright is None else self_intersections(outer)
+    if len(places):
+        places = places[places[:, 2] < mold.anatomy.regions["finish"][0]]
+    if len(places) and faces_cross(mold.upright):
+        place = mold.placement[:3, :3] @ places[0] + mold.placement[:3, 3]
+        raise HopelessError(
+            f"{mold.name}: the mold crosses itself {near(place)}, so inside and outside cannot be told apart; "
+            "mend it in the CAD program"
+        )
 
 
 def _capacity(candidate: Candidate) -> Volume:
@@ -130,7 +150,7 @@ def _facts(candidate: Candidate, outer: Mesh) -> SolidFacts:
     if solid is None:
         return SolidFacts(True, True, crossing, len(candidate.inside.triangles))
     closed = len(solid.Solids) == 1 and all(shell.isClosed() for shell in solid.Shells)
-    return SolidFacts(solid.isValid(), closed, crossing, len(solid.Faces))
+    return SolidFacts(solid.isValid(), closed, crossing, len(solid.Faces), candidate.facets_off_mm)
 
 
 def _fault(

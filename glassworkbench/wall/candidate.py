@@ -7,7 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from glassworkbench.errors import GlassWorkbenchError
+from glassworkbench.errors import GlassWorkbenchError, InputError
 from glassworkbench.freecad import Part
 from glassworkbench.mold import Mold
 from glassworkbench.scene import Mesh, Surface
@@ -33,6 +33,8 @@ class Candidate:
         The turned inside as a rational cubic Bezier chain, closed at the finish plane, for exact volumes.
     details : tuple of str
         What the method tried on the way, and how that ended, one line each.
+    facets_off_mm : float
+        How far flat facets of the solid's inside may be off `inside`, which is smooth; 0 where it has none.
     """
 
     solid: Part.Shape | None
@@ -41,6 +43,7 @@ class Candidate:
     notes: tuple[str, ...] = ()
     meridian: np.ndarray | None = None
     details: tuple[str, ...] = ()
+    facets_off_mm: float = 0.0
 
 
 class Method(Protocol):
@@ -65,6 +68,10 @@ class Method(Protocol):
         GlassWorkbenchError
             If the method cannot make it, which another may.
         """
+
+
+class HopelessError(InputError):
+    """Whatever the method, there is no such container: no other need try."""
 
 
 class NoCandidateError(GlassWorkbenchError):

@@ -18,7 +18,7 @@ from glassworkbench.wall.asking.shortened import shortened
 from glassworkbench.wall.asking.thickness import REGIONS, Thickness, UniformThickness
 from glassworkbench.wall.asking.thickness_text import parse_thickness
 from glassworkbench.wall.attempt import MAKERS, Attempted, attempt
-from glassworkbench.wall.candidate import NoCandidateError
+from glassworkbench.wall.candidate import HopelessError, NoCandidateError
 from glassworkbench.wall.container import Attempt, Container, WallReport
 from glassworkbench.wall.levels.narrow import no_room
 from glassworkbench.wall.measuring.contents import centre_of_gravity, weight_g
@@ -92,6 +92,8 @@ def hollow(
         If no method's result is good enough; the message says what was tried.
     """
     start = time.monotonic()
+    if not isinstance(mold, Mold):
+        raise InputError(f"mold: {mold!r} is no mold; give what read_mold returns")
     thickness = as_thickness(thickness, tuple(reversed(mold.anatomy.regions)))
     if method not in METHODS:
         raise unknown_name("method", method, METHODS)
@@ -124,7 +126,7 @@ def hollow(
         attempts.append(Attempt(rung.method, outcome, why, time.monotonic() - begin, details))
         if outcome == "accepted":
             return _container(mold, thickness, rung.method, attempted, attempts, tolerance, time.monotonic() - start)
-        if outcome == "impossible" and rung.method == "revolved":
+        if outcome == "impossible" and (rung.method == "revolved" or isinstance(impossible[-1], HopelessError)):
             break
     if rejected and accept_best:
         name, best = min(rejected, key=lambda made: made[1].wall.deviation_p99_mm)
@@ -132,10 +134,15 @@ def hollow(
     if impossible:
         raise impossible[-1]
     story = "; ".join(f"{made.method}: {made.why.removeprefix(f'{made.method}: ')}" for made in attempts)
+    remedy = (
+        "ask for another wall, a larger tolerance or more time, or take the best there is (accept_best=True)"
+        if rejected
+        else "ask for another wall or more time"
+    )
     raise HollowingError(
         tuple(attempts),
         f"{mold.name}: no method gives a wall of {shortened(thickness)} mm within {tolerance:.3g} mm ({story}); "
-        "ask for another wall, a larger tolerance or more time, or take the best there is (accept_best=True)",
+        f"{remedy}",
     )
 
 
@@ -156,7 +163,11 @@ def as_thickness(value: Thickness | str | float, regions: Sequence[str] = REGION
     """Return a thickness as data, whether it is given so, as text about the mold's regions, or as a number of mm."""
     if isinstance(value, str):
         return parse_thickness(value, regions)
-    return UniformThickness(value) if isinstance(value, (int, float, np.floating)) else value
+    if isinstance(value, Thickness):
+        return value
+    if isinstance(value, (int, float, np.number)) and not isinstance(value, bool):
+        return UniformThickness(float(value))
+    raise InputError(f"wall: {value!r} is no thickness; give mm as a number, or text like 'body=2 base=5'")
 
 
 def _check_fits(mold: Mold, asked: AskedThickness) -> None:

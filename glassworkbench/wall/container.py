@@ -66,12 +66,16 @@ class Attempt:
 
 @dataclass(frozen=True)
 class SolidFacts:
-    """What OCC and the methods' own checks say of the solid."""
+    """What OCC and the methods' own checks say of the solid.
+
+    `facets_off_mm` is how far flat facets of its inside may be off the smooth inside that is measured.
+    """
 
     valid: bool
     closed: bool
     self_intersecting: bool
     faces: int
+    facets_off_mm: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,6 +143,7 @@ class WallReport:
                 "closed": self.solid.closed,
                 "self_intersecting": self.solid.self_intersecting,
                 "faces": self.solid.faces,
+                "facets_off_mm": self.solid.facets_off_mm,
             },
             "glass_volume_mm3": self.glass_volume_mm3,
             "weight_g": self.weight_g,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from glassworkbench.errors import InputError
@@ -32,6 +33,14 @@ def thickness_mm(value: object, field: str) -> float:
     if number < THINNEST_MM:
         raise InputError(f"{field}: must be at least {THINNEST_MM:g} mm, got {number:g}; lengths are in mm")
     return number
+
+
+def named_pairs(value: object, field: str) -> tuple[tuple[object, object], ...]:
+    """Return a dictionary, or pairs of a name and a thickness, as pairs, or raise an InputError."""
+    try:
+        return tuple((name, thickness) for name, thickness in (value.items() if isinstance(value, Mapping) else value))
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{field}: expected a thickness by name, like a dictionary, got {value!r}") from error
 
 
 def angle_deg(value: object, field: str) -> float:

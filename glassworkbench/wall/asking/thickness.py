@@ -5,14 +5,13 @@ The text of each, `str(thickness)`, is what `thickness_text.parse_thickness` rea
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from glassworkbench.errors import GlassWorkbenchError, InputError
-from glassworkbench.scene.validate import finite, positive
+from glassworkbench.scene.validate import finite_array, positive
 from glassworkbench.settings import unknown_name
 from glassworkbench.wall.asking.asked import AskedThickness, asked_by_face, asked_over_height, with_bore
 from glassworkbench.wall.asking.limits import (
@@ -20,6 +19,7 @@ from glassworkbench.wall.asking.limits import (
     check_covers,
     check_interpolation,
     face_number,
+    named_pairs,
     thickness_mm,
 )
 from glassworkbench.wall.asking.notation import text_of, with_interpolation
@@ -82,8 +82,9 @@ class TabulatedThickness:
     file: str = field(default="", compare=False)
 
     def __post_init__(self) -> None:
-        heights = tuple(finite(height, "wall height_mm") for height in self.heights_mm)
-        thicknesses = tuple(thickness_mm(value, "wall thickness_mm") for value in self.thicknesses_mm)
+        heights = tuple(map(float, finite_array(self.heights_mm, (None,), "wall height_mm")))
+        given = finite_array(self.thicknesses_mm, (None,), "wall thickness_mm")
+        thicknesses = tuple(thickness_mm(value, "wall thickness_mm") for value in given)
         if len(heights) != len(thicknesses):
             raise InputError(
                 f"wall table: {len(heights)} heights but {len(thicknesses)} thicknesses; give one for each"
@@ -132,7 +133,7 @@ class RegionalThickness:
     regions: tuple[tuple[str, float], ...]
 
     def __post_init__(self) -> None:
-        pairs = tuple(self.regions.items() if isinstance(self.regions, Mapping) else self.regions)
+        pairs = named_pairs(self.regions, "wall regions")
         if not pairs:
             raise InputError("wall: no region is named; give one like body=2, or one number for all")
         names = [name for name, _ in pairs]
@@ -195,7 +196,7 @@ class FaceThickness:
     otherwise_mm: float
 
     def __post_init__(self) -> None:
-        pairs = tuple(self.faces.items() if isinstance(self.faces, Mapping) else self.faces)
+        pairs = named_pairs(self.faces, "wall faces")
         if not pairs:
             raise InputError("wall: no face is named; give one like Face12=4, or one number for all")
         numbers = [number for number, _ in pairs]

@@ -40,10 +40,10 @@ def no_room(wall: Outside, asked_mm: float) -> InputError:
     _, _, clearance, radius = best[worst]
     if clearance > 0.0:
         return InputError(
-            f"wall: {asked_mm:.3g} mm leave no way from the mouth down that could be found; ask for a thinner wall"
+            f"wall: {asked_mm:.3g} mm leaves no way from the mouth down that could be found; ask for a thinner wall"
         )
     return InputError(
-        f"wall: {radius - clearance:.3g} mm fill the container at height {heights[worst]:.1f} mm, "
+        f"wall: {radius - clearance:.3g} mm fills the container at height {heights[worst]:.1f} mm, "
         f"where less than {radius:.2f} mm fits; ask for a thinner wall there"
     )
 

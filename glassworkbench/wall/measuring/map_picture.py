@@ -23,7 +23,7 @@ TURNED_AWAY = -0.3
 """Triangles that are turned away from the viewer by less than this (cosine) are drawn."""
 
 PALETTE = "viridis"
-NO_WALL = (0.86, 0.86, 0.88)
+NO_WALL, NO_WALL_IS = (0.86, 0.86, 0.88), "no wall: the mouth, a lip's rounding, a stem and its foot"
 
 
 def check_picture(path: str | Path) -> Path:
@@ -67,6 +67,9 @@ def save_picture(wall_map: WallMap, title: str, path: str | Path) -> None:
     bar = figure.colorbar(colours, cax=figure.add_subplot(left[0, 3]), extend="both")
     bar.set_label("wall, mm")
     bar.outline.set_visible(False)
+    if np.any(np.isnan(wall_map.thickness_mm)):
+        figure.text(0.022, 0.025, "\N{BLACK SQUARE}", color=NO_WALL, fontsize=14, va="center")
+        figure.text(0.037, 0.025, NO_WALL_IS, color="0.35", fontsize=9, va="center")
     _draw_profile(figure.add_subplot(right[0, 0]), wall_map)
     figure.suptitle(title, x=0.02, ha="left", fontsize=13)
     with written_aside(path) as aside:
@@ -108,17 +111,22 @@ def _draw_view(axis: Axes, wall_map: WallMap, colours: object, azimuth_deg: floa
 
 def _draw_profile(axis: Axes, wall_map: WallMap) -> None:
     profile = wall_map.over_height
-    height = profile.heights_mm
-    axis.fill_betweenx(height, *profile.got_mm.T, color="#3b8ea5", alpha=0.35, lw=0, label="got, all around")
-    axis.plot(profile.got_mm[:, 0], height, color="#1f6377", lw=1.2)
-    axis.plot(profile.got_mm[:, 1], height, color="#1f6377", lw=0.6)
-    axis.plot(profile.asked_mm[:, 0], height, color="#d1495b", lw=1.2, ls=(0, (4, 2)), label="asked")
+    told = {"edges": profile.edges_mm, "orientation": "horizontal"}
+    thinnest, thickest = profile.got_mm.T
+    axis.stairs(
+        thickest, baseline=thinnest, fill=True, color="#3b8ea5", alpha=0.35, lw=0, label="got, all around", **told
+    )
+    axis.stairs(thinnest, baseline=None, color="#1f6377", lw=1.2, **told)
+    axis.stairs(thickest, baseline=None, color="#1f6377", lw=0.6, **told)
+    asked = {"baseline": None, "color": "#d1495b", "ls": (0, (4, 2))} | told
+    axis.stairs(profile.asked_mm[:, 0], lw=1.2, label="asked", **asked)
     if np.any(np.ptp(profile.asked_mm, axis=1) > 1e-3):
-        axis.plot(profile.asked_mm[:, 1], height, color="#d1495b", lw=0.8, ls=(0, (4, 2)))
-    low, high = wall_map.span_mm()
-    margin = 0.25 * (high - low)
+        axis.stairs(profile.asked_mm[:, 1], lw=0.8, **asked)
+    both = np.concatenate([profile.got_mm.ravel(), profile.asked_mm.ravel(), wall_map.span_mm()])
+    low, high = np.nanmin(both), np.nanmax(both)
+    margin = 0.15 * (high - low)
     axis.set_xlim(max(0.0, low - margin), high + margin)
-    axis.set_ylim(0.0, None)
+    axis.set_ylim(0.0, profile.edges_mm[-1])
     axis.set_xlabel("wall, mm")
     axis.set_ylabel("height of the inner surface, mm")
     axis.yaxis.set_label_position("right")

@@ -61,14 +61,21 @@ class WallAtPoints:
     asked_mm : array (n,)
         At the outer point that decides.
     deviation_mm : array (n,)
-        Above 0 where the wall is thicker than asked. Behind embossing, under a rounded lip and over a stem
-        that is no deviation: 0 there.
+        Above 0 where the wall, toward the outer point that decides, is thicker than asked. Where it is free that is no
+        deviation: 0 there.
+    free : bool array (n,)
+        Where the wall may be thicker than asked: behind embossing, under a rounded lip and over a stem.
     """
 
     points_mm: np.ndarray
     distance_mm: np.ndarray
     asked_mm: np.ndarray
     deviation_mm: np.ndarray
+    free: np.ndarray
+
+    def below_lip(self, wall: Outside) -> np.ndarray:
+        """Return which points (n,) a lip's rounding, which has no wall of its own, does not reach."""
+        return self.points_mm[:, 2] < wall.lip_height_mm - self.asked_mm
 
 
 def measure_wall(inside: Mesh, wall: Outside, *, stem_top_mm: float = 0.0, samples: int = SAMPLES) -> WallMeasure:
@@ -92,7 +99,7 @@ def measure_wall(inside: Mesh, wall: Outside, *, stem_top_mm: float = 0.0, sampl
         If all of the inside lies in the finish plane or the lip.
     """
     found = wall_at(points_on_wall(inside, samples), wall, stem_top_mm=stem_top_mm)
-    below_lip = found.points_mm[:, 2] < wall.lip_height_mm - found.asked_mm
+    below_lip = found.below_lip(wall)
     if not np.any(below_lip):
         raise GlassWorkbenchError("the cavity does not reach below the lip; ask for a thinner wall")
     points, distance = found.points_mm[below_lip], found.distance_mm[below_lip]
@@ -136,7 +143,7 @@ def wall_at(points_mm: np.ndarray, wall: Outside, *, stem_top_mm: float = 0.0) -
     if stem_top_mm > 0.0:
         free |= decisive.feet_mm[:, 2] < _bowl_from(wall, stem_top_mm)
     deviation = np.where(free, np.minimum(deviation, 0.0), deviation)
-    return WallAtPoints(points_mm, wall.distance(points_mm).distance_mm, asked, deviation)
+    return WallAtPoints(points_mm, wall.distance(points_mm).distance_mm, asked, deviation, free)
 
 
 def _bowl_from(wall: Outside, stem_top_mm: float) -> float:

@@ -60,15 +60,19 @@ def inner_mesh(mold: Mold, asked: AskedThickness, wall: Outside, seconds: float)
     begin = time.monotonic()
     deviation = max(TOLERANCE_SHARE * asked.minimum_mm, TOLERANCE_MM)
     inside, notes = cavity_mesh(mold, asked, wall, _step(wall, asked, seconds), deviation)
-    solid, told = _solid(mold, wall, inside, seconds - (time.monotonic() - begin))
-    return Candidate(solid, lifted(inside, wall.finish_height_mm, PAST_MOUTH_MM), inside, (*notes, told))
+    solid, told, off = _solid(mold, wall, inside, seconds - (time.monotonic() - begin))
+    cavity = lifted(inside, wall.finish_height_mm, PAST_MOUTH_MM)
+    return Candidate(solid, cavity, inside, (*notes, told), facets_off_mm=off)
 
 
-def _solid(mold: Mold, wall: Outside, inside: Mesh, seconds: float) -> tuple[Part.Shape | None, str]:
-    """Return the solid with a faceted inside, if it can be made, and how good it is or why there is none."""
+def _solid(mold: Mold, wall: Outside, inside: Mesh, seconds: float) -> tuple[Part.Shape | None, str, float]:
+    """Return the solid with a faceted inside if it can be made, how good it is or why there is none, and its error.
+
+    The error (mm) is how far the facets are off the smooth inside, 0 without a solid.
+    """
     only_mesh = "so it can be saved as STL only"
     if mold.upright is None:
-        return None, f"the mold is a mesh, {only_mesh}"
+        return None, f"the mold is a mesh, {only_mesh}", 0.0
     points, triangles = fewer_facets(inside, wall.finish_height_mm)
     arguments = {
         "finish_face": mold.anatomy.finish_face,
@@ -78,10 +82,10 @@ def _solid(mold: Mold, wall: Outside, inside: Mesh, seconds: float) -> tuple[Par
     try:
         (solid,) = run_in_worker(faceted_solid, [mold.upright], arguments, seconds)
     except GlassWorkbenchError as error:
-        return None, f"no solid could be made of the mesh ({error}), {only_mesh}"
+        return None, f"no solid could be made of the mesh ({error}), {only_mesh}", 0.0
     middles = points[triangles].mean(axis=1)
     off = float(np.abs(wall.clearance(middles).clearance_mm).max())
-    return solid, f"the solid's inside has {len(triangles)} flat facets, up to {off:.2g} mm off the smooth one"
+    return solid, f"the solid's inside has {len(triangles)} flat facets, up to {off:.2g} mm off the smooth one", off
 
 
 def cavity_mesh(

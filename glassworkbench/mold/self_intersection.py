@@ -6,10 +6,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from glassworkbench.freecad import Part
 from glassworkbench.scene import Mesh
 from glassworkbench.spatial import SIDES
 from glassworkbench.spatial.nearest import along_a_curve
-from glassworkbench.wall.measuring.surface import facets
 
 WELD_MM = 1e-5
 """Vertices that agree to this are one."""
@@ -19,14 +19,21 @@ TOUCHING_MM = 1e-5
 
 PAIRS_AT_ONCE = 1_000_000
 
+MOST_CHECKED = 200
+"""Shapes of more faces are not searched by OCC: that takes minutes."""
+
 
 def self_intersections(mesh: Mesh) -> np.ndarray:
-    """Return a place (k, 3) for each two triangles of a mesh that cross without sharing a vertex.
+    """Return a place (k, 3) for each two triangles of a mesh that cross; see `crossing_places`."""
+    return crossing_places(mesh.vertices_mm[mesh.triangles])
+
+
+def crossing_places(corners: np.ndarray) -> np.ndarray:
+    """Return a place (k, 3) for each two of the triangles (m, 3, 3) that cross without sharing a vertex.
 
     Triangles that only touch, and neighbours, are none. Lying in each other in one plane is not found, but where such
     a patch ends its sides cross.
     """
-    corners = mesh.vertices_mm[mesh.triangles]
     keys = np.round(corners.reshape(-1, 3) / WELD_MM).astype(np.int64)
     vertex = np.unique(keys, axis=0, return_inverse=True)[1].reshape(-1, 3)
     places = []
@@ -34,6 +41,20 @@ def self_intersections(mesh: Mesh) -> np.ndarray:
         apart = (i != j) & ~np.any(vertex[i][:, :, None] == vertex[j][:, None, :], axis=(1, 2))
         places.append(_crossings(corners[i[apart]], corners[j[apart]]))
     return np.concatenate(places) if places else np.zeros((0, 3))
+
+
+def faces_cross(shape: Part.Shape) -> bool:
+    """Return whether faces of a shape cross, as far as OCC finds out; `MOST_CHECKED` faces are looked at, at most.
+
+    OCC says so of edges, too, that lie in each other, like the two sides of a seam in an IGES file: they are no fault.
+    """
+    if len(shape.Faces) > MOST_CHECKED:
+        return False
+    try:
+        shape.check(True)
+    except ValueError as error:
+        return "Face: BOPAlgo SelfIntersect" in str(error)
+    return False
 
 
 def intersections(first: Mesh, second: Mesh) -> np.ndarray:
@@ -96,7 +117,7 @@ def _crossings(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     """Return a place for each pair of triangles (n, 3, 3) of which a side of one passes through the other."""
     places = np.full((len(first), 3), np.nan)
     for triangles, pierced in ((first, second), (second, first)):
-        normals = facets(pierced)
+        normals = np.cross(pierced[:, 1] - pierced[:, 0], pierced[:, 2] - pierced[:, 0])
         lengths = np.linalg.norm(normals, axis=1)
         unit = normals / np.maximum(lengths, 1e-300)[:, None]
         above = np.einsum("nkx,nx->nk", triangles - pierced[:, :1], unit)
