@@ -1,7 +1,7 @@
 PYTHON ?= /usr/bin/python3
 RUFF_VERSION := 0.17.6
 
-.PHONY: help setup build demo test lint sanitize fuzz sanitized bench bench-walls compat clean
+.PHONY: help setup build demo test lint sanitize fuzz sanitized bench-tracer bench-peers bench-walls compat clean
 
 help: ## Show this list
 	@echo "make TARGET, where TARGET is one of"
@@ -53,8 +53,11 @@ sanitize: sanitized ## Run the tests of the native code under the address and un
 fuzz: sanitized ## Trace random scenes under the sanitizers, for FUZZ_SECONDS (600 if not given)
 	@$(UNDER_SANITIZERS) $(PYTHON) tests/fuzz.py $(or $(FUZZ_SECONDS),600)
 
-bench: build ## Measure the tracer's speed, beside Embree's, and its leaks
+bench-tracer: build ## Measure the tracer's speed, beside Embree's, and its leaks
 	@for name in throughput leaks patches; do echo "== $$name"; $(PYTHON) benchmarks/$$name.py || exit 1; done
+
+bench-peers: build ## Time to an error on the peers' bottle, beside Mitsuba's (the first run traces the truth, an hour)
+	@$(PYTHON) benchmarks/peers.py
 
 bench-walls: build ## Hollow every mold by every wall and method (hours; goes on where it stopped)
 	@$(PYTHON) benchmarks/walls.py
