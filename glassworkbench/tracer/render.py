@@ -30,7 +30,7 @@ COARSEST_TARGET = 0.25
 CUTOFF_STEP = 0.25
 """How much smaller the cut-off becomes where too much was left out."""
 
-DEEPEST = 4
+DEEPEST = 1
 """How often a pixel's cut-off may be made smaller."""
 
 PILOT_SIDE = 16

@@ -38,6 +38,7 @@ public:
           coarsest_(finest >> std::clamp(halvings, 0, most_halvings)),
           ambient_(ambient),
           stopped_(std::move(stopped)),
+          likely_light_(std::fmin(scene.brightest, 3.0 * ambient.largest())),
           worst_light_(std::fmax(ambient.largest(), scene.brightest - smallest(ambient))) {}
 
     std::int64_t rays = 0, crossings = 0, leaks = 0;
@@ -284,7 +285,7 @@ private:
             }
             cells[k].value = cells[k].value + 0.25 * sum;
             const double most = *std::max_element(loose[k].begin(), loose[k].end());
-            cells[k].jump += jump_share * (high + -1.0 * low).largest() + hidden_share * most * scene_.brightest;
+            cells[k].jump += jump_share * (high + -1.0 * low).largest() + hidden_share * most * likely_light_;
         }
         return cells;
     }
@@ -325,7 +326,7 @@ private:
                                       length(corners[1]->ray.direction - corners[2]->ray.direction));
         if (!scene_.panels.empty() && spread > wild_spread) {
             add_edge(corners, off_origin, off_direction, cell);
-            cell.smooth += wild_share * weight(corners) * scene_.brightest * lesser(1.0, 2.0 * spread);
+            cell.smooth += wild_share * weight(corners) * likely_light_ * lesser(1.0, 2.0 * spread);
             return;
         }
         if (same && panel != nullptr) {
@@ -482,6 +483,7 @@ private:
     const int coarsest_;  // size of the largest cells, in units of the finest lattice
     const Colour ambient_;
     const std::function<bool()> stopped_;
+    const double likely_light_;  // where nothing is known of it
     const double worst_light_;
     std::vector<Arrival> arrivals_;
     std::vector<Sample> samples_;
