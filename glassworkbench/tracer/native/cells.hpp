@@ -382,7 +382,6 @@ private:
         for (const Panel& panel : scene_.panels) {
             const double u = std::sqrt(panel.uu), v = std::sqrt(panel.vv);
             unsigned common = 31u;
-            double slack = INFINITY;
             for (const Arrival* a : corners) {
                 double x, y;
                 const double t = panel.place(a->ray, x, y);
@@ -393,7 +392,6 @@ private:
                 const double off = off_origin + t * off_direction;
                 common &= unsigned{-x * u > off} | unsigned{(x - 1.0) * u > off} << 1 | unsigned{-y * v > off} << 2 |
                           unsigned{(y - 1.0) * v > off} << 3;
-                slack = lesser(slack, off);
             }
             if (common == 0) return true;
         }
