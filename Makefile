@@ -1,5 +1,6 @@
 PYTHON ?= /usr/bin/python3
 RUFF_VERSION := 0.17.6
+COLOUR_SCIENCE_VERSION := 0.4.6
 
 .PHONY: help setup build demo test lint sanitize fuzz sanitized bench-tracer bench-peers bench-walls compat clean
 
@@ -19,7 +20,7 @@ build: setup ## Build the native tracer and the native search for nearest points
 demo: build ## Hollow a wine bottle and render it, into out/demo
 	@tools/demo.sh
 
-test: build ## Run all tests
+test: build .venv/colour-science-$(COLOUR_SCIENCE_VERSION) ## Run all tests
 	@$(PYTHON) -m pytest
 
 lint: setup .venv/ruff-$(RUFF_VERSION) ## Check the style of Python and C++
@@ -27,10 +28,19 @@ lint: setup .venv/ruff-$(RUFF_VERSION) ## Check the style of Python and C++
 	@.venv/bin/ruff format --check
 	@find glassworkbench -name '*.cpp' -o -name '*.h' -o -name '*.hpp' | xargs clang-format --dry-run --Werror
 
-.venv/ruff-$(RUFF_VERSION):
-	@echo "lint: installing ruff $(RUFF_VERSION) into .venv"
+.venv/bin/python:
 	@$(PYTHON) -m venv .venv
-	@.venv/bin/pip install --disable-pip-version-check ruff==$(RUFF_VERSION)
+
+.venv/ruff-$(RUFF_VERSION): | .venv/bin/python
+	@echo "lint: installing ruff $(RUFF_VERSION) into .venv"
+	@.venv/bin/python -m pip install --disable-pip-version-check ruff==$(RUFF_VERSION)
+	@touch $@
+
+# Without its dependencies: with them comes another numpy than that of FreeCAD's Python.
+.venv/colour-science-$(COLOUR_SCIENCE_VERSION): | .venv/bin/python
+	@echo "test: installing colour-science $(COLOUR_SCIENCE_VERSION) into .venv"
+	@.venv/bin/python -m pip install --disable-pip-version-check --quiet --no-deps --upgrade --target .venv/colour-science \
+		colour-science==$(COLOUR_SCIENCE_VERSION) imageio==2.37.0 typing-extensions==4.12.2
 	@touch $@
 
 SANITIZED := $(CURDIR)/build/sanitized

@@ -21,9 +21,11 @@ from pathlib import Path
 
 from glassworkbench import __version__
 from glassworkbench.errors import Cancelled, GlassWorkbenchError, InputError
-from glassworkbench.glass import catalogue, fillings, find_glass
+from glassworkbench.glass import Filling, Glass, catalogue, facts, fillings, find_filling, find_glass, refused
+from glassworkbench.glass.facts import in_words, shown_colour
+from glassworkbench.glass.pictures import CURVES, SWATCHES, save_curves, save_swatches
 from glassworkbench.images import IMAGE_ENDINGS, Image
-from glassworkbench.output import check_writable, written_aside
+from glassworkbench.output import check_drawing, check_writable, written_aside
 from glassworkbench.scene import ContainerGeometry, Revolved, Scene, Surface
 from glassworkbench.scene.file import read_scene
 from glassworkbench.scene.scene import MAXIMUM_SIDE
@@ -205,9 +207,7 @@ def _hollow(options: argparse.Namespace) -> None:
     output = check_writable(options.output, CONTAINER_ENDINGS)
     outputs = [output]
     if options.map is not None:
-        from glassworkbench.wall.measuring.map_picture import check_picture
-
-        outputs.append(check_picture(options.map))
+        outputs.append(check_drawing(options.map, "a map of the wall"))
     _check_files(options, outputs)
     _check_positive(options, "scale", "finish_height", "tolerance", "seconds")
     _check_mesh_output(options.mold, output)
@@ -483,20 +483,52 @@ PREVIEW_SECONDS = 5.0
 
 
 def _prepare_glasses(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("name", nargs="?", metavar="NAME", help="tell all of this one, or of one in a file")
+    parser.add_argument(
+        "--swatches", metavar="PICTURE", help="draw the colours against the wall thickness: .png .svg .pdf"
+    )
+    parser.add_argument("--plot", metavar="PICTURE", help="draw what each wavelength passes: .png .svg .pdf")
     parser.add_argument("--json", action="store_true", help="answer in JSON")
 
 
 def _glasses(options: argparse.Namespace) -> None:
-    groups = {"glasses": catalogue(), "fillings": fillings()}
+    glasses, liquids = catalogue(), fillings()
+    if options.name is not None:
+        material = _material(options.name, liquids)
+        glasses = {material.name: material} if isinstance(material, Glass) else {}
+        liquids = {} if glasses else {material.name: material}
+    if options.swatches is not None:
+        save_swatches(glasses, liquids, check_drawing(options.swatches, SWATCHES))
+    if options.plot is not None:
+        save_curves(glasses, liquids, check_drawing(options.plot, CURVES))
     if options.json:
-        print(_json({group: [vars(material) for material in known.values()] for group, known in groups.items()}))
+        groups = {"glasses": glasses, "fillings": liquids}
+        told = {group: [facts(material) for material in known.values()] for group, known in groups.items()}
+        print(_json(told | ({"refused": refused()} if options.name is None else {})))
+    elif options.swatches is not None or options.plot is not None:
         return
-    for group, path_mm in (("glasses", 3), ("fillings", 60)):
-        print(f"{group:15} index    R,G,B passed by {path_mm} mm")
-        for material in groups[group].values():
-            red, green, blue = 100.0 * material.transmittance(path_mm)
-            passed = f"{red:3.0f} {green:3.0f} {blue:3.0f} %"
-            print(f"  {material.name:13} {material.refractive_index:.5f}  {passed}   {material.description}")
+    elif options.name is not None:
+        print("\n".join(in_words(next(iter((glasses or liquids).values())))))
+    else:
+        _list_materials("glasses", glasses, 3.0)
+        for name, why in refused().items():
+            print(f"  {name:17} refused: {why}")
+        _list_materials("fillings", liquids, 60.0)
+
+
+def _material(name: str, liquids: Mapping[str, Filling]) -> Glass | Filling:
+    """Return a glass or a filling by its name, whichever has it."""
+    if name.partition(" ")[0] in liquids:
+        return find_filling(name)
+    return find_glass(name)
+
+
+def _list_materials(group: str, known: Mapping[str, Glass | Filling], path_mm: float) -> None:
+    print(f"{group:19} n_d      g/cm3  {path_mm:g} mm")
+    for material in known.values():
+        index, density = material.refractive_index_d, material.density_g_per_cm3
+        colour = shown_colour(material, path_mm)
+        print(f"  {material.name:17} {index:.5f}  {density:.3f}  {colour}  {material.description}")
 
 
 def _prepare_stations(parser: argparse.ArgumentParser) -> None:

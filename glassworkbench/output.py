@@ -10,6 +10,9 @@ from pathlib import Path
 
 from glassworkbench.errors import GlassWorkbenchError, InputError
 
+DRAWING_ENDINGS = (".png", ".svg", ".pdf")
+"""What matplotlib writes."""
+
 
 def check_writable(path: str | Path, endings: Sequence[str] = ()) -> Path:
     """Return `path` as a Path if a file can be written there; ask before the long work, not after it.
@@ -40,6 +43,23 @@ def check_writable(path: str | Path, endings: Sequence[str] = ()) -> Path:
     except OSError as error:
         raise InputError(f"{path}: nothing can be written into {str(folder)!r} ({error.strerror})") from error
     return path
+
+
+def check_drawing(path: str | Path, what: str) -> Path:
+    """Return the path of a picture that matplotlib can draw; `what` it is, like ``a map of the wall``, for the error.
+
+    Raises
+    ------
+    InputError
+        As `check_writable`, or if matplotlib is missing.
+    """
+    try:
+        import matplotlib  # noqa: F401
+    except ImportError as error:
+        raise InputError(
+            f"{what} needs matplotlib, which this Python lacks; install it (Debian: python3-matplotlib), or do without"
+        ) from error
+    return check_writable(path, DRAWING_ENDINGS)
 
 
 @contextmanager

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import os
 import tomllib
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -11,6 +12,17 @@ from glassworkbench.errors import InputError
 
 RESOURCES = Path(__file__).resolve().parent.parent / "resources"
 """The installation's folder of glasses, stations and icons."""
+
+USER_GLASSES = "GLASSWORKBENCH_GLASSES"
+"""The environment variable that names the folder of the user's own glasses."""
+
+
+def user_glasses() -> Path:
+    """Return the folder of the user's own glasses, which need not exist."""
+    if os.environ.get(USER_GLASSES):
+        return Path(os.environ[USER_GLASSES])
+    data = os.environ.get("APPDATA") or os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share"
+    return Path(data) / "glassworkbench" / "glasses"
 
 
 def read_toml(path: str | Path) -> dict:

@@ -119,8 +119,30 @@ def test_catalogues_are_listed(capsys):
     assert main(["glasses", "--json"]) == 0
     listed = json.loads(capsys.readouterr().out)
     assert len(listed["glasses"][0]["absorption_per_mm"]) == 3
+    assert "scatters" in listed["refused"]["opal"]
     assert main(["stations"]) == 0
     assert [line.split()[0] for line in capsys.readouterr().out.splitlines()] == ["studio", "sidewall"]
+
+
+def test_one_glass_is_told_with_colour_density_index_and_sources(capsys):
+    assert main(["glasses", "amber"]) == 0
+    told = capsys.readouterr().out
+    for part in ("n_d = 1.52338", "2.5 g/cm3", "L* ", "Fe2O3=0.3", "Rubin", "assumed"):
+        assert part in told
+    assert main(["glasses", "beer EBC=20", "--json"]) == 0
+    (beer,) = json.loads(capsys.readouterr().out)["fillings"]
+    assert beer["recipe"] == {"EBC": 20.0}
+    assert main(["glasses", "ambre"]) == 2
+    assert "did you mean 'amber'" in capsys.readouterr().err
+
+
+def test_glasses_are_drawn(tmp_path, capsys):
+    pictures = tmp_path / "swatches.png", tmp_path / "curves.svg"
+    assert main(["glasses", "--swatches", str(pictures[0]), "--plot", str(pictures[1])]) == 0
+    assert capsys.readouterr().out == ""
+    assert all(path.stat().st_size > 10_000 for path in pictures)
+    assert main(["glasses", "--swatches", str(tmp_path / "swatches.doc")]) == 2
+    assert "the ending '.doc' is not known" in capsys.readouterr().err
 
 
 def test_a_station_is_previewed(tmp_path, capsys):

@@ -67,7 +67,7 @@ def test_a_scene_file_gives_what_it_says(folder):
     assert [body.name for body in scene.bodies] == ["glass", "seed"]
     assert isinstance(scene.bodies[0].surface, Revolved)
     assert isinstance(scene.bodies[1].surface, Ellipsoid)
-    assert np.array_equal(scene.media[0].absorption_per_mm, find_glass("emerald").absorption_per_mm)
+    assert np.array_equal(scene.media[0].absorption_per_mm, find_glass("emerald").rgb_absorption_per_mm())
     assert isinstance(scene.lights[0], Panel)
     assert scene.brightest() == 1.0
 

@@ -11,10 +11,10 @@ PATH_MM = 8.0
 
 def colour(glass: Glass) -> tuple[float, float, float]:
     """Return the sRGB colour (0 to 1) of light that went through two walls."""
-    red, green, blue = to_display(glass.transmittance(PATH_MM)) / 255.0
+    red, green, blue = to_display(glass.rgb_transmittance(PATH_MM)) / 255.0
     return float(red), float(green), float(blue)
 
 
 def transparency_percent(glass: Glass) -> int:
     """Return a transparency: clear glass lets most of the view behind it through, dark glass less."""
-    return round(40.0 + 35.0 * float(glass.transmittance(PATH_MM).mean()))
+    return round(40.0 + 35.0 * float(glass.rgb_transmittance(PATH_MM).mean()))

@@ -49,5 +49,5 @@ class GlassPanel:
     def _describe(self, name: str) -> None:
         glass = catalogue()[name]
         self._description.setText(
-            f"{glass.description}. n = {glass.refractive_index:.4g}, {glass.density_g_per_cm3:.3g} g/cm³"
+            f"{glass.description}. n = {glass.refractive_index_d:.4g}, {glass.density_g_per_cm3:.3g} g/cm³"
         )

@@ -97,8 +97,7 @@ def _medium(table: Mapping) -> Medium:
         if "glass" in table or "filling" in table:
             kind, find = ("glass", find_glass) if "glass" in table else ("filling", find_filling)
             check_keys(table, ("where", kind), (), "medium")
-            material = find(table[kind])
-            return Medium(where, material.refractive_index, material.absorption_per_mm)
+            return Medium.of(where, find(table[kind]))
         check_keys(table, ("where", "refractive_index"), ("absorption_per_mm", "glass", "filling"), "medium")
         return Medium(where, table["refractive_index"], table.get("absorption_per_mm", (0.0, 0.0, 0.0)))
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from glassworkbench.errors import InputError
+from glassworkbench.glass import Filling, Glass
 from glassworkbench.scene.validate import finite, finite_array
 
 MAXIMUM_BODIES = 16
@@ -42,6 +43,11 @@ class Medium:
             raise InputError("absorption_per_mm: must not be negative")
         object.__setattr__(self, "absorption_per_mm", absorption)
         _parse(self.where)
+
+    @classmethod
+    def of(cls, where: str, material: Glass | Filling) -> Medium:
+        """Return the medium of a material of the catalogue, for light that is traced as R, G and B."""
+        return cls(where, material.refractive_index_d, material.rgb_absorption_per_mm())
 
 
 def medium_table(body_names: tuple[str, ...], media: tuple[Medium, ...]) -> np.ndarray:

@@ -87,10 +87,10 @@ def bodies(geometry: ContainerGeometry, fill: Fill | None) -> tuple[Body, ...]:
 def media(geometry: ContainerGeometry, glass: Glass, fill: Fill | None) -> tuple[Medium, ...]:
     """Return the glass, and the liquid where the cavity holds it."""
     where = "outer" if geometry.cavity is None else "outer and not cavity"
-    wall = Medium(where, glass.refractive_index, glass.absorption_per_mm)
+    wall = Medium.of(where, glass)
     if fill is None:
         return (wall,)
-    return (wall, Medium("cavity and fill", fill.liquid.refractive_index, fill.liquid.absorption_per_mm))
+    return (wall, Medium.of("cavity and fill", fill.liquid))
 
 
 def _cylinder_around(geometry: ContainerGeometry, level_mm: float) -> Revolved:

@@ -7,14 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from glassworkbench.errors import InputError
-from glassworkbench.output import check_writable, written_aside
+from glassworkbench.output import check_drawing, written_aside
 from glassworkbench.wall.measuring.wall_map import WallMap
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-ENDINGS = (".png", ".svg", ".pdf")
+MAP = "a map of the wall"
 
 VIEWS = (("front", 0.0, 8.0), ("side", 90.0, 8.0), ("from below", 0.0, -50.0))
 """Name, azimuth and elevation (deg) from which the container is seen."""
@@ -26,27 +25,9 @@ PALETTE = "viridis"
 NO_WALL, NO_WALL_IS = (0.86, 0.86, 0.88), "no wall: the mouth, a lip's rounding, a stem and its foot"
 
 
-def check_picture(path: str | Path) -> Path:
-    """Return the path of a picture that can be written.
-
-    Raises
-    ------
-    InputError
-        If its ending is unknown, its folder cannot be written to, or matplotlib is missing.
-    """
-    try:
-        import matplotlib  # noqa: F401
-    except ImportError as error:
-        raise InputError(
-            "a map of the wall needs matplotlib, which this Python lacks; "
-            "install it (Debian: python3-matplotlib), or do without the map"
-        ) from error
-    return check_writable(path, ENDINGS)
-
-
 def save_picture(wall_map: WallMap, title: str, path: str | Path) -> None:
-    """Draw a wall map into a PNG, SVG or PDF file; raises as `check_picture`."""
-    path = check_picture(path)
+    """Draw a wall map into a PNG, SVG or PDF file; raises as `check_drawing`."""
+    path = check_drawing(path, MAP)
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
