@@ -22,8 +22,9 @@ from pathlib import Path
 from glassworkbench import __version__
 from glassworkbench.errors import Cancelled, GlassWorkbenchError, InputError
 from glassworkbench.glass import Filling, Glass, catalogue, facts, fillings, find_filling, find_glass, refused
-from glassworkbench.glass.facts import in_words, shown_colour
+from glassworkbench.glass.facts import in_words
 from glassworkbench.glass.pictures import CURVES, SWATCHES, save_curves, save_swatches
+from glassworkbench.glass.swatch import shown_colour
 from glassworkbench.images import IMAGE_ENDINGS, Image
 from glassworkbench.output import check_drawing, check_writable, written_aside
 from glassworkbench.scene import ContainerGeometry, Revolved, Scene, Surface

@@ -5,6 +5,7 @@ import sys
 import pytest
 
 from glassworkbench.document import make_container, make_render, render_image
+from glassworkbench.document.container import set_glass
 from glassworkbench.errors import GlassWorkbenchError, InputError
 from glassworkbench.freecad import FreeCAD
 
@@ -143,6 +144,20 @@ def test_the_picture_follows_an_undone_wall(document, tumbler):
     document.undo()
     radii = container.Proxy.geometry(container).cavity.meridian[:, :, 0]
     assert radii.max() == pytest.approx(RADIUS - 3.0, abs=1e-6)
+
+
+def test_a_glass_of_ones_own_can_be_chosen_once_its_file_is_in_the_folder(document, tumbler, tmp_path, monkeypatch):
+    monkeypatch.setenv("GLASSWORKBENCH_GLASSES", str(tmp_path / "glasses"))
+    container = make_container(tumbler, wall=3.0)
+    (tmp_path / "glasses").mkdir()
+    heavy = tmp_path / "heavy.toml"
+    heavy.write_text('[glass.heavy]\nlike = "flint"\ndensity_g_per_cm3 = 3.0\n')
+    with pytest.raises(InputError, match="in a document it must be one of the catalogue; put its file into"):
+        set_glass(container, str(heavy))
+    heavy.rename(tmp_path / "glasses" / "heavy.toml")
+    set_glass(container, "heavy")
+    assert container.Glass == "heavy"
+    assert container.WeightGrams == pytest.approx(3.0e-3 * glass_mm3(3.0), rel=1e-4)
 
 
 def test_a_new_glass_needs_no_recompute(document, tumbler):

@@ -5,6 +5,7 @@ import pytest
 
 from glassworkbench.errors import InputError
 from glassworkbench.glass import catalogue, find_filling, find_glass
+from glassworkbench.glass.own_glasses import keep
 
 RUBY = """
 [glass.ruby]
@@ -95,6 +96,30 @@ def test_the_users_folder_joins_the_catalogue(tmp_path, monkeypatch):
     (tmp_path / "broken.toml").write_text(RUBY.replace("1.53", "0.5"))
     with pytest.warns(UserWarning, match=r"broken\.toml: .*refractive_index.*; the file is left out of the catalogue"):
         assert "ruby" in catalogue()
+
+
+def test_a_file_is_kept_for_good(tmp_path, monkeypatch):
+    monkeypatch.setenv("GLASSWORKBENCH_GLASSES", str(tmp_path / "data" / "glasses"))
+    path = written(tmp_path, RUBY)
+    assert keep(path) == ["ruby"]
+    assert catalogue()["ruby"].refractive_index_d == 1.53
+    with pytest.raises(InputError, match="'ruby' is in the catalogue already; give it another name"):
+        keep(path)
+    with pytest.raises(InputError, match="refractive_index: must lie between"):
+        keep(written(tmp_path, RUBY.replace("1.53", "0.5").replace("ruby", "rose")))
+    with pytest.raises(InputError, match=r"is no file of glasses; give one that ends in \.toml or \.fcmat"):
+        keep(tmp_path / "mine.csv")
+    (tmp_path / "empty.toml").write_text("")
+    with pytest.raises(InputError, match="holds no glass and no filling"):
+        keep(tmp_path / "empty.toml")
+
+
+def test_a_recipe_with_a_colourant_of_its_own_is_changed(tmp_path):
+    path = written(tmp_path, RECIPE)
+    paler = find_glass(f"{path} Nd2O3=1")
+    wavelength_nm = 585.0
+    difference = find_glass(path).absorption_per_mm(wavelength_nm) - paler.absorption_per_mm(wavelength_nm)
+    assert difference == pytest.approx(np.log(10) / 10 * 6 * 2.55 * 10 / 168.24)
 
 
 FAULTS = [

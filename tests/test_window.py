@@ -109,6 +109,7 @@ def test_make_container_hollows_the_solid_in_one_step_of_undo(main_job):
 
 def test_the_glass_shows_while_choosing_and_cancel_takes_it_back(main_job):
     assert main_job["live_colour_differs"]
+    assert main_job["transmission_shown"]
     assert main_job["glass_after_cancel"] == "flint"
     assert main_job["colour_after_cancel"]
 

@@ -11,7 +11,7 @@ from glassworkbench.freecad import FreeCAD
 from glassworkbench.glass import catalogue, find_glass
 from glassworkbench.mold import mold_from_shape
 from glassworkbench.scene import ContainerGeometry
-from glassworkbench.settings import unknown_name
+from glassworkbench.settings import unknown_name, user_glasses
 from glassworkbench.wall import METHODS, Container, hollow
 from glassworkbench.wall.asking.thickness_text import parse_thickness
 
@@ -104,7 +104,7 @@ def make_container(
         If no method finds the cavity; the document is as before.
     """
     parse_thickness(str(wall))
-    find_glass(glass)
+    _check_glass(glass)
     if method not in METHODS:
         raise unknown_name("method", method, METHODS)
     if mold_kind not in MOLD_KINDS:
@@ -161,8 +161,19 @@ def set_glass(obj: Any, glass: str) -> None:
     InputError
         If the catalogue has no such glass.
     """
-    find_glass(glass)
+    _check_glass(glass)
+    if glass not in obj.getEnumerationsOfProperty("Glass"):
+        # It came into the user's folder after the object was made.
+        set_choices(obj, "Glass", catalogue())
     obj.Glass = glass
+
+
+def _check_glass(glass: str) -> None:
+    find_glass(glass)
+    if glass not in catalogue():
+        raise InputError(
+            f"glass {glass!r}: in a document it must be one of the catalogue; put its file into {user_glasses()}"
+        )
 
 
 def is_container(obj: Any) -> bool:

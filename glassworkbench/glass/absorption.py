@@ -97,9 +97,10 @@ class Recipe:
         return total
 
     def changed(self, amounts: dict[str, float], redox: float | None, known: tuple[Chromophore, ...]) -> Recipe:
-        """Return the recipe with other amounts, or another redox state, by the chromophores that are `known`."""
-        merged = self.amounts | amounts
-        return replace(self, amounts=merged, chromophores=known, redox=self.redox if redox is None else redox)
+        """Return the recipe with other amounts, or another redox state, by its own and all `known` chromophores."""
+        chromophores = tuple(dict.fromkeys((*self.chromophores, *known)))
+        redox = self.redox if redox is None else redox
+        return replace(self, amounts=self.amounts | amounts, chromophores=chromophores, redox=redox)
 
 
 @dataclass(frozen=True, eq=False)

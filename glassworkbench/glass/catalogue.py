@@ -13,6 +13,9 @@ from glassworkbench.glass.material_card import CARD_ENDING, read_card
 from glassworkbench.glass.material_file import KINDS, Library, Material, read_library
 from glassworkbench.settings import RESOURCES, unknown_name, user_glasses
 
+FILE_ENDINGS = (".toml", CARD_ENDING)
+"""Of files of the user's own."""
+
 _NAMES = {kind: name for name, kind in KINDS.items()}
 _CHANGE = re.compile(r"\s+([A-Za-z]\w*)=(\S+)$")
 
@@ -54,6 +57,14 @@ def find_filling(name: str) -> Filling:
     return _find(Filling, name)
 
 
+def read_file(path: Path) -> Library:
+    """Return what a file of the user's own holds, of materials or a material card; InputError where it is faulty."""
+    if path.suffix.lower() == CARD_ENDING:
+        glass = read_card(path, _installed().glasses)
+        return Library(glasses={glass.name: glass})
+    return read_library([path], _installed())
+
+
 def _all(kind: type[Material]) -> dict[str, Material]:
     return dict(_installed().materials(kind)) | _of_the_user(kind)
 
@@ -68,20 +79,13 @@ def _of_the_user(kind: type[Material]) -> dict[str, Material]:
     found: dict[str, Material] = {}
     folder = user_glasses()
     for path in sorted(folder.iterdir()) if folder.is_dir() else ():
-        if path.suffix.lower() not in (".toml", CARD_ENDING):
+        if path.suffix.lower() not in FILE_ENDINGS or path.name.startswith("."):
             continue
         try:
-            found |= _read(path).materials(kind)
+            found |= read_file(path).materials(kind)
         except InputError as error:
             warnings.warn(f"{error}; the file is left out of the catalogue", stacklevel=2)
     return found
-
-
-def _read(path: Path) -> Library:
-    if path.suffix.lower() == CARD_ENDING:
-        glass = read_card(path, _installed().glasses)
-        return Library(glasses={glass.name: glass})
-    return read_library([path], _installed())
 
 
 def _find(kind: type[Material], asked: str) -> Material:
@@ -114,16 +118,16 @@ def _changes(asked: str, table: str) -> tuple[str, dict[str, float]]:
 def _find_unchanged(kind: type[Material], name: str) -> Material:
     table = _NAMES[kind]
     file, colon, entry = name.rpartition(":")
-    if Path(name).suffix.lower() in (".toml", CARD_ENDING):
+    if Path(name).suffix.lower() in FILE_ENDINGS:
         file, colon, entry = name, "", ""
-    if Path(file).suffix.lower() not in (".toml", CARD_ENDING):
+    if Path(file).suffix.lower() not in FILE_ENDINGS:
         known = _all(kind)
         if name in refused() and name not in known:
             raise InputError(f"{table} {name!r}: {refused()[name]}")
         if name not in known:
             raise unknown_name(table, name, known)
         return known[name]
-    known = _read(Path(file)).materials(kind)
+    known = read_file(Path(file)).materials(kind)
     if not colon:
         if len(known) != 1:
             raise InputError(f"{file}: holds {len(known)} tables [{table}.NAME]; name one, as {file}:NAME")

@@ -8,11 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from glassworkbench.colour import WAVELENGTHS_NM, linear_srgb, tristimulus
 from glassworkbench.errors import InputError
-from glassworkbench.glass.facts import shown_colour
 from glassworkbench.glass.material import Filling, Glass
-from glassworkbench.images import to_display
+from glassworkbench.glass.swatch import shown_colour, wedge
 from glassworkbench.output import check_drawing, written_aside
 
 if TYPE_CHECKING:
@@ -65,7 +63,7 @@ def save_swatches(glasses: Mapping[str, Glass], fillings: Mapping[str, Filling],
         axis = figure.add_subplot(grid[row, 0])
         for line, material in enumerate(known.values()):
             extent = (0.0, longest, line + 0.92, line + 0.08)
-            axis.imshow(_strip(material, longest)[None], aspect="auto", extent=extent, interpolation="nearest")
+            axis.imshow(wedge(material, longest, _SHADES)[None], aspect="auto", extent=extent, interpolation="nearest")
             # Without a frame, colourless glass could not be told from the paper.
             axis.add_patch(Rectangle((0.0, line + 0.08), longest, 0.84, fill=False, edgecolor="0.75", lw=0.8))
         axis.set_xlim(-0.002 * longest, 1.002 * longest)
@@ -120,13 +118,6 @@ def _draw_curve(axis: Axes, material: Glass | Filling) -> None:
     axis.grid(color="0.9")
     axis.set_axisbelow(True)
     axis.spines[["top", "right"]].set_visible(False)
-
-
-def _strip(material: Glass | Filling, longest_mm: float) -> np.ndarray:
-    """Return the colours along a wedge, uint8 (shades, 3)."""
-    paths_mm = longest_mm * (np.arange(_SHADES) + 0.5) / _SHADES
-    spectra = np.exp(-material.absorption_per_mm(WAVELENGTHS_NM) * paths_mm[:, None])
-    return to_display(linear_srgb(tristimulus(spectra)))
 
 
 def _figure(width: float, height: float) -> Figure:

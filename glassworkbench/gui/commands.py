@@ -22,6 +22,7 @@ from glassworkbench.settings import RESOURCES
 
 def register() -> list[str]:
     """Make the commands known to FreeCAD and return their names in the order of menu and toolbar."""
+    preferences.use_glass_folder()
     FreeCAD.addDocumentObserver(WindowCloser())
     commands = {
         "Glass_MakeContainer": MakeContainer(),

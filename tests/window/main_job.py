@@ -85,6 +85,9 @@ def main_job(facts):
     yield lambda: task_panel_button("Ok")
     clear = container.ViewObject.ShapeColor[:3]
     child(window, "glass").choose("amber")
+    yield settled()
+    facts["transmission_shown"] = child(window, "transmission").isVisible()
+    screenshot("glass_panel")
     facts["live_colour_differs"] = container.ViewObject.ShapeColor[:3] != clear
     later(task_panel_button("Cancel").click)
     yield lambda: not FreeCADGui.Control.activeDialog()
