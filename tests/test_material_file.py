@@ -61,6 +61,17 @@ def test_a_measured_spectrum_is_taken_as_it_is(tmp_path):
         mine.refractive_index(379.0)
 
 
+def test_a_spectrum_from_400_to_700_nm_is_enough_for_a_colour(tmp_path):
+    text = MEASURED.replace("380", "400").replace("780", "700")
+    mine = find_glass(written(tmp_path, text))
+    whole = find_glass(f"{written(tmp_path, MEASURED)}")
+    assert np.allclose(mine.rgb_absorption_per_mm(), whole.rgb_absorption_per_mm(), rtol=0.3)
+    assert mine.colour(0.0)[1] == pytest.approx(1.0)
+    short = find_glass(written(tmp_path, text.replace("[400, 500, 700], internal", "[400, 500, 650], internal")))
+    with pytest.raises(InputError, match="mine: absorption is known from 400 to 650 nm; a colour needs 400 to 700 nm"):
+        short.rgb_absorption_per_mm()
+
+
 def test_a_file_brings_colourants_of_its_own(tmp_path):
     lilac = find_glass(written(tmp_path, RECIPE))
     neodymium_mol_per_l = 2.55 * 1000 * 0.02 / 168.24
@@ -136,6 +147,13 @@ FAULTS = [
     (RUBY, "[0.02, 0.6, 0.5]", "[0.02, nan, 0.5]", "absorption_per_mm: must be finite"),
     (RUBY, "2.6", "nan", "density_g_per_cm3: must be finite"),
     (RUBY, "2.6", "0", "density_g_per_cm3: must be above 0"),
+    (RUBY, "2.6", "2600", "no glass has 2600 g/cm3; is it in kg/m3"),
+    (RUBY, "2.6", "2.6\nlike = []", r"like: must be a text in quotation marks, got \[\]"),
+    (RUBY, "[0.02, 0.6, 0.5]", "[0.02, 1e300, 0.5]", "absorption_per_mm: must be at most 1e.06 per mm"),
+    (RECIPE, "Nd2O3 = 2.0", "Nd2O3 = 200", "colourants: Nd2O3: must be at most 100"),
+    (RECIPE, "168.24", "0.1", "no colourant is lighter than hydrogen"),
+    (RECIPE, "strength = 6", "strength = 1e9", "strength: must be at most 1e.06"),
+    (RECIPE, 'colourant = "Nd2O3"', "colourant = 7", "colourant: must be a text in quotation marks, got 7"),
     (RUBY, "[glass.ruby]", "[glas.ruby]", "did you mean 'glass'"),
     (RUBY, "[glass.ruby]", "[glass]", r"\[glass\] must hold tables"),
     (RUBY, "1.53", "1,53", "not valid TOML"),
@@ -150,13 +168,13 @@ FAULTS = [
         MEASURED,
         "internal_transmittance = [0.5, 0.9, 0.8], thickness_mm = 2.0",
         "per_mm = [0.1, -0.2, 0]",
-        "negative, but is -0.2 at 500 nm",
+        "absorption: must not be negative, got -0.2",
     ),
     (MEASURED, ", thickness_mm = 2.0", "", "thickness_mm belongs to internal_transmittance"),
     (MEASURED, "internal_transmittance", "internal_transmission", "did you mean 'internal_transmittance'"),
     (MEASURED, "[1.54, 1.53, 1.52]", "[1.54, 0.53, 1.52]", "refractive_index: must lie between 1 and 5, but is"),
     (MEASURED, '"table"', '"tabel"', "formula 'tabel' is not known; did you mean 'table'"),
-    (MEASURED, 'formula = "table", ', "", "formula None is not known"),
+    (MEASURED, 'formula = "table", ', "", "dispersion: formula is missing; there is sellmeier"),
     (RECIPE, "Nd2O3 = 2.0", "Nd203 = 2.0", "colourants: 'Nd203' is not known; did you mean 'Nd2O3'"),
     (RECIPE, "Nd2O3 = 2.0", "Nd2O3 = -2.0", "colourants: Nd2O3: must not be negative"),
     (RECIPE, "redox = 0.2", "", "redox: is missing, the reduced share of Fe2O3"),

@@ -37,15 +37,18 @@ def illuminant(name: str) -> np.ndarray:
     return 100.0 * (560.0 / WAVELENGTHS_NM) ** 5 * planck
 
 
-def tristimulus(transmittance: np.ndarray, light: str = "D65") -> np.ndarray:
+def tristimulus(
+    transmittance: np.ndarray, light: str = "D65", wavelengths_nm: np.ndarray = WAVELENGTHS_NM
+) -> np.ndarray:
     """Return X, Y, Z of light that was transmitted (or reflected).
 
     Parameters
     ----------
-    transmittance : array (..., 81)
-        At `WAVELENGTHS_NM`.
+    transmittance : array (..., n)
     light : str
         One of `ILLUMINANTS`.
+    wavelengths_nm : array (n,)
+        Those of `WAVELENGTHS_NM` at which it is known; the others are left out of the light, too.
 
     Returns
     -------
@@ -58,15 +61,15 @@ def tristimulus(transmittance: np.ndarray, light: str = "D65") -> np.ndarray:
         If the transmittance has another number of wavelengths, or the illuminant is not known.
     """
     transmittance = np.asarray(transmittance, dtype=np.float64)
-    if transmittance.shape[-1:] != WAVELENGTHS_NM.shape:
-        raise InputError(f"transmittance: expected {len(WAVELENGTHS_NM)} wavelengths, got {transmittance.shape}")
-    weights = illuminant(light)[:, None] * _table()[:, 1:4]
+    if transmittance.shape[-1:] != wavelengths_nm.shape:
+        raise InputError(f"transmittance: expected {len(wavelengths_nm)} wavelengths, got {transmittance.shape}")
+    weights = (illuminant(light)[:, None] * _table()[:, 1:4])[np.isin(WAVELENGTHS_NM, wavelengths_nm)]
     return transmittance @ (weights / weights[:, 1].sum())
 
 
-def white(light: str = "D65") -> np.ndarray:
-    """Return X, Y, Z (3,) of the illuminant itself, Y = 1."""
-    return tristimulus(np.ones(len(WAVELENGTHS_NM)), light)
+def white(light: str = "D65", wavelengths_nm: np.ndarray = WAVELENGTHS_NM) -> np.ndarray:
+    """Return X, Y, Z (3,) of the illuminant itself, of some of its wavelengths, Y = 1."""
+    return tristimulus(np.ones(len(wavelengths_nm)), light, wavelengths_nm)
 
 
 @cache

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from glassworkbench.errors import InputError
-from glassworkbench.glass.checks import not_negative, number, numbers, rising_nm, within
+from glassworkbench.glass.checks import coefficients, not_negative, number, rising_nm, within
 from glassworkbench.glass.chromophores import Chromophore
 from glassworkbench.settings import unknown_name
 
@@ -27,12 +27,9 @@ class AbsorptionTable:
 
     def __post_init__(self) -> None:
         wavelengths = rising_nm(self.wavelengths_nm, "wavelengths_nm")
-        values = numbers(self.values_per_mm, "per_mm")
+        values = coefficients(self.values_per_mm, "absorption")
         if len(values) != len(wavelengths):
             raise InputError(f"absorption: {len(values)} values for {len(wavelengths)} wavelengths_nm")
-        if np.any(values < 0.0):
-            worst = int(np.argmin(values))
-            raise InputError(f"absorption: must not be negative, but is {values[worst]:g} at {wavelengths[worst]:g} nm")
         object.__setattr__(self, "wavelengths_nm", wavelengths)
         object.__setattr__(self, "values_per_mm", values)
 
@@ -73,6 +70,10 @@ class Recipe:
                 raise unknown_name("colourants:", colourant, known)
         amounts = {name: not_negative(value, f"colourants: {name}") for name, value in self.amounts.items()}
         used = tuple(chromophore for chromophore in self.chromophores if chromophore.colourant in amounts)
+        for chromophore in used:
+            amount, most = amounts[chromophore.colourant], chromophore.most
+            if amount > most:
+                raise InputError(f"colourants: {chromophore.colourant}: must be at most {most:g}, got {amount:g}")
         if self.redox is not None and not 0.0 <= number(self.redox, "redox") <= 1.0:
             raise InputError(f"redox: must lie between 0 (all oxidised) and 1 (all reduced), got {self.redox:g}")
         parted = [chromophore.colourant for chromophore in used if chromophore.share]
@@ -141,11 +142,9 @@ class ThreeBands:
     """Between blue and green, between green and red."""
 
     def __post_init__(self) -> None:
-        values = numbers(self.red_green_blue_per_mm, "absorption_per_mm")
+        values = coefficients(self.red_green_blue_per_mm, "absorption_per_mm")
         if len(values) != 3:
             raise InputError(f"absorption_per_mm: must be three numbers (R, G, B), got {len(values)}")
-        if np.any(values < 0.0):
-            raise InputError(f"absorption_per_mm: must not be negative, got {values.min():g}")
         object.__setattr__(self, "red_green_blue_per_mm", values)
 
     def per_mm(self, wavelengths_nm: np.ndarray) -> np.ndarray:

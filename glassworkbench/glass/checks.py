@@ -11,6 +11,27 @@ from glassworkbench.errors import InputError
 LARGEST_NM = 100_000.0
 
 
+LARGEST_PER_MM = 1e6
+"""A metal absorbs less (1/mm); what is above is a slip of the pen."""
+
+
+def text(value: object, where: str) -> str:
+    """Return a text that is not empty, else raise InputError."""
+    if not isinstance(value, str) or not value:
+        raise InputError(f"{where}: must be a text in quotation marks, got {value!r}")
+    return value
+
+
+def coefficients(value: object, where: str) -> np.ndarray:
+    """Return absorption coefficients in 1/mm (n,), else raise InputError."""
+    found = numbers(value, where)
+    if np.any(found < 0.0):
+        raise InputError(f"{where}: must not be negative, got {found.min():g}")
+    if np.any(found > LARGEST_PER_MM):
+        raise InputError(f"{where}: must be at most {LARGEST_PER_MM:g} per mm, got {found.max():g}")
+    return found
+
+
 def number(value: object, where: str) -> float:
     """Return one finite number, else raise InputError."""
     return float(_finite(value, where, 0))

@@ -7,7 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from glassworkbench.errors import InputError
-from glassworkbench.glass.checks import above_zero, not_negative, range_nm, within
+from glassworkbench.glass.checks import above_zero, not_negative, range_nm, text, within
+
+STRONGEST = 1e6
+"""No molecule absorbs more, in L/(mol cm)."""
 
 SHARES = ("oxidised", "reduced")
 """Which part of its element a chromophore is, where the redox state decides."""
@@ -33,7 +36,7 @@ class Band:
     def __post_init__(self) -> None:
         object.__setattr__(self, "centre_nm", above_zero(self.centre_nm, "centre_nm"))
         object.__setattr__(self, "width_per_cm", above_zero(self.width_per_cm, "width_per_cm"))
-        object.__setattr__(self, "strength", not_negative(self.strength, "strength"))
+        object.__setattr__(self, "strength", _strength(self.strength))
 
     def at(self, wavelengths_nm: np.ndarray) -> np.ndarray:
         """Return the band's strength at wavelengths in nm."""
@@ -61,7 +64,7 @@ class Tail:
     def __post_init__(self) -> None:
         object.__setattr__(self, "at_nm", above_zero(self.at_nm, "at_nm"))
         object.__setattr__(self, "decay_nm", above_zero(self.decay_nm, "decay_nm"))
-        object.__setattr__(self, "strength", not_negative(self.strength, "strength"))
+        object.__setattr__(self, "strength", _strength(self.strength))
 
     def at(self, wavelengths_nm: np.ndarray) -> np.ndarray:
         """Return the strength at wavelengths in nm."""
@@ -99,13 +102,21 @@ class Chromophore:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "range_nm", range_nm(self.range_nm, "range_nm"))
+        text(self.colourant, "colourant")
         if not self.parts:
             raise InputError("bands, tails: a chromophore needs one of them at least")
         if self.molar_mass_g_per_mol is not None:
             mass = above_zero(self.molar_mass_g_per_mol, "molar_mass_g_per_mol")
+            if mass < 1.0:
+                raise InputError(f"molar_mass_g_per_mol: no colourant is lighter than hydrogen, got {mass:g}")
             object.__setattr__(self, "molar_mass_g_per_mol", mass)
         if self.share not in (None, *SHARES):
             raise InputError(f"share: must be {' or '.join(SHARES)}, got {self.share!r}")
+
+    @property
+    def most(self) -> float:
+        """The largest amount that a recipe can ask: all of the weight, or a number beyond what anyone measures."""
+        return 1e6 if self.molar_mass_g_per_mol is None else 100.0
 
     def per_mm(self, wavelengths_nm: np.ndarray, amount: float, density_g_per_cm3: float) -> np.ndarray:
         """Return the Napierian absorption coefficient (1/mm) of an amount of the chromophore itself.
@@ -128,3 +139,10 @@ class Chromophore:
         molar = 1.0 if self.molar_mass_g_per_mol is None else 10.0 * density_g_per_cm3 / self.molar_mass_g_per_mol
         decadic_per_cm = amount * molar * sum(part.at(wavelengths) for part in self.parts)
         return np.log(10.0) / 10.0 * decadic_per_cm
+
+
+def _strength(value: float) -> float:
+    strength = not_negative(value, "strength")
+    if strength > STRONGEST:
+        raise InputError(f"strength: must be at most {STRONGEST:g}, got {strength:g}")
+    return strength

@@ -7,16 +7,9 @@ import math
 import numpy as np
 
 from glassworkbench.colour import lab, white
-from glassworkbench.glass.absorption import AbsorptionSum, Recipe
 from glassworkbench.glass.chromophores import Chromophore
 from glassworkbench.glass.material import Filling, Glass
 from glassworkbench.glass.swatch import shown_colour
-
-
-def _recipes(material: Glass | Filling) -> tuple[Recipe, ...]:
-    """Return the recipes in a material's absorption, none where it was measured as a whole."""
-    parts = material.absorption.parts if isinstance(material.absorption, AbsorptionSum) else (material.absorption,)
-    return tuple(part for part in parts if isinstance(part, Recipe))
 
 
 def facts(material: Glass | Filling) -> dict[str, object]:
@@ -34,8 +27,8 @@ def facts(material: Glass | Filling) -> dict[str, object]:
         "colour": shown_colour(material, usual_mm),
         "lab": lab(material.colour(usual_mm), white()),
         "absorption_per_mm": material.rgb_absorption_per_mm(),
-        "recipe": {name: amount for recipe in _recipes(material) for name, amount in recipe.amounts.items()},
-        "redox": next((recipe.redox for recipe in _recipes(material)), None),
+        "recipe": {name: amount for recipe in material.recipes for name, amount in recipe.amounts.items()},
+        "redox": next((recipe.redox for recipe in material.recipes), None),
         "source": material.source,
         "refractive_index_source": material.dispersion.source,
         "chromophores": [
@@ -85,4 +78,4 @@ def in_words(material: Glass | Filling) -> list[str]:
 
 
 def _chromophores(material: Glass | Filling) -> tuple[Chromophore, ...]:
-    return tuple(chromophore for recipe in _recipes(material) for chromophore in recipe.chromophores)
+    return tuple(chromophore for recipe in material.recipes for chromophore in recipe.chromophores)

@@ -20,6 +20,9 @@ HELIUM_D_NM = 587.5618
 
 HYDROGEN_F_NM, HYDROGEN_C_NM = 486.1327, 656.2725
 
+DENSEST_G_PER_CM3 = 10.0
+"""More than the heaviest lead glass."""
+
 
 @dataclass(frozen=True, eq=False)
 class _Material:
@@ -34,7 +37,7 @@ class _Material:
     usual_path_mm = 1.0
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "density_g_per_cm3", above_zero(self.density_g_per_cm3, "density_g_per_cm3"))
+        object.__setattr__(self, "density_g_per_cm3", _density(self.density_g_per_cm3))
 
     @property
     def range_nm(self) -> tuple[float, float]:
@@ -84,9 +87,37 @@ class _Material:
         inside = self.transmittance(wavelengths_nm, thickness_mm)
         return (1.0 - reflected) ** 2 * inside / (1.0 - (reflected * inside) ** 2)
 
-    def colour(self, path_mm: float, light: str = "D65") -> np.ndarray:
-        """Return X, Y, Z (3,) of what is left of an illuminant after a path inside; Y = 1 is everything."""
-        return tristimulus(self.transmittance(WAVELENGTHS_NM, path_mm), light)
+    @cached_property
+    def visible_nm(self) -> np.ndarray:
+        """The wavelengths of `glassworkbench.colour.WAVELENGTHS_NM` at which colours are taken: all that are known.
+
+        Raises
+        ------
+        InputError
+            If the absorption is not known from 400 to 700 nm at least: a colour cannot be told from less.
+        """
+        low, high = self.absorption.range_nm
+        if low > 400.0 or high < 700.0:
+            raise InputError(
+                f"{self.name}: absorption is known from {low:g} to {high:g} nm; a colour needs 400 to 700 nm"
+            )
+        return WAVELENGTHS_NM[(low <= WAVELENGTHS_NM) & (high >= WAVELENGTHS_NM)]
+
+    def colour(self, path_mm: float | np.ndarray, light: str = "D65") -> np.ndarray:
+        """Return X, Y, Z of what is left of an illuminant after a path inside; Y = 1 is everything.
+
+        Parameters
+        ----------
+        path_mm : float or array (n,)
+        light : str
+            One of `glassworkbench.colour.ILLUMINANTS`.
+
+        Returns
+        -------
+        array (3,) or (n, 3)
+        """
+        paths = np.asarray(path_mm, dtype=np.float64)[..., None]
+        return tristimulus(self.transmittance(self.visible_nm, paths), light, self.visible_nm)
 
     def rgb_absorption_per_mm(self) -> np.ndarray:
         """Return one absorption coefficient (1/mm) each for linear R, G, B, (3,).
@@ -104,7 +135,16 @@ class _Material:
     def _rgb_per_mm(self) -> np.ndarray:
         if isinstance(self.absorption, ThreeBands):
             return self.absorption.red_green_blue_per_mm
-        return fitted_per_mm(self.absorption_per_mm(WAVELENGTHS_NM), self.usual_path_mm)
+        return fitted_per_mm(self.absorption_per_mm(self.visible_nm), self.visible_nm, self.usual_path_mm)
+
+    @property
+    def recipes(self) -> tuple[Recipe, ...]:
+        """The recipes of the absorption; none where it was measured as a whole."""
+        return tuple(part for part in self._parts if isinstance(part, Recipe))
+
+    @property
+    def _parts(self) -> tuple[Absorption, ...]:
+        return self.absorption.parts if isinstance(self.absorption, AbsorptionSum) else (self.absorption,)
 
     def with_recipe(
         self, known: tuple[Chromophore, ...], amounts: dict[str, float], redox: float | None = None
@@ -124,21 +164,26 @@ class _Material:
         InputError
             If a colourant is not known, or the material has no recipe.
         """
-        parts = self.absorption.parts if isinstance(self.absorption, AbsorptionSum) else (self.absorption,)
-        if not any(isinstance(part, Recipe) for part in parts):
+        if not self.recipes:
             raise InputError(f"{self.name}: its absorption was measured as a whole, so there is no recipe to change")
-        changed = tuple(part.changed(amounts, redox, known) if isinstance(part, Recipe) else part for part in parts)
-        told = " ".join(
-            f"{key}={value:g}" for key, value in (amounts | ({} if redox is None else {"redox": redox})).items()
-        )
-        absorption = AbsorptionSum(changed) if isinstance(self.absorption, AbsorptionSum) else changed[0]
-        return replace(self, name=f"{self.name} {told}", absorption=absorption)
+        parts = [part.changed(amounts, redox, known) if isinstance(part, Recipe) else part for part in self._parts]
+        absorption = parts[0] if len(parts) == 1 else AbsorptionSum(tuple(parts))
+        told = amounts if redox is None else amounts | {"redox": redox}
+        name = " ".join((self.name, *(f"{key}={value:g}" for key, value in told.items())))
+        return replace(self, name=name, absorption=absorption)
 
     def _named(self, formula: object, wavelengths_nm: np.ndarray | float) -> np.ndarray:
         try:
             return formula(np.asarray(wavelengths_nm, dtype=np.float64))
         except InputError as error:
             raise InputError(f"{self.name}: {error}") from error
+
+
+def _density(value: float) -> float:
+    density = above_zero(value, "density_g_per_cm3")
+    if density > DENSEST_G_PER_CM3:
+        raise InputError(f"density_g_per_cm3: no glass has {density:g} g/cm3; is it in kg/m3? divide it by 1000 then")
+    return density
 
 
 class Glass(_Material):

@@ -12,7 +12,7 @@ import numpy as np
 
 from glassworkbench.errors import InputError
 from glassworkbench.glass.absorption import Absorption, AbsorptionSum, AbsorptionTable, Recipe, ThreeBands
-from glassworkbench.glass.checks import above_zero, numbers, rising_nm
+from glassworkbench.glass.checks import above_zero, numbers, rising_nm, text
 from glassworkbench.glass.chromophores import Band, Chromophore, Tail
 from glassworkbench.glass.dispersion import (
     ConstantIndex,
@@ -130,7 +130,7 @@ def _with_what_it_is_like(table: Mapping, kind: str, entries: Mapping) -> Mappin
     """Return a material's table with what it leaves to another material."""
     if "like" not in table:
         return table
-    name = table["like"]
+    name = text(table["like"], "like")
     if name not in entries:
         raise unknown_name("like:", name, entries)
     if entries[name] is table or "like" in entries[name] or "refused" in entries[name]:
@@ -168,13 +168,16 @@ def _index(table: Mapping, dispersions: Mapping[str, Dispersion]) -> Dispersion:
     asked = table["dispersion"]
     if isinstance(asked, Mapping):
         return _dispersion(asked, dispersions)
+    text(asked, "dispersion")
     if asked not in dispersions:
         raise unknown_name("dispersion:", asked, dispersions)
     return dispersions[asked]
 
 
 def _dispersion(table: Mapping, dispersions: Mapping[str, Dispersion]) -> Dispersion:
-    formula = table.get("formula")
+    if "formula" not in table:
+        raise InputError(f"dispersion: formula is missing; there is {', '.join(_FORMULAS)}")
+    formula = text(table["formula"], "dispersion: formula")
     if formula not in _FORMULAS:
         raise unknown_name("dispersion: formula", formula, _FORMULAS)
     keys, make = _FORMULAS[formula]
@@ -183,7 +186,7 @@ def _dispersion(table: Mapping, dispersions: Mapping[str, Dispersion]) -> Disper
 
 
 def _scaled(table: Mapping, dispersions: Mapping[str, Dispersion]) -> ScaledDispersion:
-    if table["of"] not in dispersions:
+    if text(table["of"], "of") not in dispersions:
         raise unknown_name("of:", table["of"], dispersions)
     source = f"{table['source']}; scaled from {dispersions[table['of']].source}"
     return ScaledDispersion(dispersions[table["of"]], table["wavelength_nm"], table["refractive_index"], source)

@@ -10,7 +10,7 @@ FAINTEST = 0.05
 """The least that a channel passes where it is fitted: saturated colours of less are beyond sRGB."""
 
 
-def fitted_per_mm(absorption_per_mm: np.ndarray, path_mm: float) -> np.ndarray:
+def fitted_per_mm(absorption_per_mm: np.ndarray, wavelengths_nm: np.ndarray, path_mm: float) -> np.ndarray:
     """Return the coefficients with which a path gets its true colour in daylight (D65).
 
     No three coefficients follow a spectrum over all paths: a thicker piece changes its hue, three exponentials
@@ -19,8 +19,8 @@ def fitted_per_mm(absorption_per_mm: np.ndarray, path_mm: float) -> np.ndarray:
 
     Parameters
     ----------
-    absorption_per_mm : array (81,)
-        At `glassworkbench.colour.WAVELENGTHS_NM`.
+    absorption_per_mm, wavelengths_nm : array (n,)
+        At those of `glassworkbench.colour.WAVELENGTHS_NM` at which it is known.
     path_mm : float
 
     Returns
@@ -28,19 +28,20 @@ def fitted_per_mm(absorption_per_mm: np.ndarray, path_mm: float) -> np.ndarray:
     array (3,)
         Napierian, 1/mm, for linear R, G, B.
     """
+
+    def passed(paths_mm: np.ndarray) -> np.ndarray:
+        """Return what each channel passes, in linear sRGB, over its own path."""
+        spectra = np.exp(-absorption_per_mm * paths_mm[:, None])
+        channels = linear_srgb(tristimulus(spectra, wavelengths_nm=wavelengths_nm))
+        return np.diagonal(channels) / linear_srgb(white(wavelengths_nm=wavelengths_nm))
+
     paths = np.full(3, path_mm)
-    faint = _passed(absorption_per_mm, paths) < FAINTEST
+    faint = passed(paths) < FAINTEST
     shortest, longest = np.zeros(3), paths
     for _ in range(60):
         middle = 0.5 * (shortest + longest)
-        enough = _passed(absorption_per_mm, middle) >= FAINTEST
+        enough = passed(middle) >= FAINTEST
         shortest, longest = np.where(enough, middle, shortest), np.where(enough, longest, middle)
     paths = np.where(faint, longest, path_mm)
     # More than everything is what colours beyond sRGB seem to pass in a channel that they hardly absorb.
-    return -np.log(np.minimum(_passed(absorption_per_mm, paths), 1.0)) / paths + 0.0
-
-
-def _passed(absorption_per_mm: np.ndarray, paths_mm: np.ndarray) -> np.ndarray:
-    """Return what each channel passes, in linear sRGB, over its own path."""
-    spectra = np.exp(-absorption_per_mm * paths_mm[:, None])
-    return np.diagonal(linear_srgb(tristimulus(spectra))) / linear_srgb(white())
+    return -np.log(np.minimum(passed(paths), 1.0)) / paths + 0.0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from glassworkbench.colour import WAVELENGTHS_NM, linear_srgb, tristimulus
+from glassworkbench.colour import linear_srgb
 from glassworkbench.glass.material import Filling, Glass
 from glassworkbench.images import to_display
 
@@ -22,6 +22,4 @@ def wedge(material: Glass | Filling, longest_mm: float, shades: int) -> np.ndarr
     uint8 array (shades, 3)
         sRGB, clipped to what a screen shows.
     """
-    paths_mm = longest_mm * (np.arange(shades) + 0.5) / shades
-    spectra = np.exp(-material.absorption_per_mm(WAVELENGTHS_NM) * paths_mm[:, None])
-    return to_display(linear_srgb(tristimulus(spectra)))
+    return to_display(linear_srgb(material.colour(longest_mm * (np.arange(shades) + 0.5) / shades)))
