@@ -31,6 +31,7 @@ def run_in_window(macro, folder):
         "HOME": str(home),
         "WINDOW_TEST_FOLDER": str(folder),
         "WINDOW_TEST_CHECKOUT": str(CHECKOUT),
+        "GLASSWORKBENCH_GLASSES": str(folder / "glasses"),
         "QTWEBENGINE_DISABLE_SANDBOX": "1",
     }
     home.mkdir()
@@ -105,6 +106,13 @@ def test_make_container_hollows_the_solid_in_one_step_of_undo(main_job):
     assert main_job["mold_hidden"]
     assert main_job["undone"]
     assert main_job["redone"] == container
+
+
+def test_a_file_of_glasses_joins_the_list_and_the_folder(main_job):
+    assert main_job["glass_added"] == "heavy_blue"
+    assert (main_job["folder"] / "glasses" / "own.toml").is_file()
+    assert "'heavy_blue' is in the catalogue already" in main_job["dialog_of_added_twice"]
+    assert main_job["glass_after_adding_and_cancel"] == "flint"
 
 
 def test_the_glass_shows_while_choosing_and_cancel_takes_it_back(main_job):

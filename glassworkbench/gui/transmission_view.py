@@ -10,6 +10,7 @@ from glassworkbench.glass.swatch import shown_colour
 from glassworkbench.gui.qt import QtCore, QtGui, QtWidgets
 
 SHORTEST_NM, LONGEST_NM = 300.0, 800.0
+LABELLED_NM = (400, 550, 700)
 LEFT, BOTTOM, MARGIN = 42, 18, 6
 """Pixels for the labels."""
 
@@ -43,11 +44,10 @@ class TransmissionView(QtWidgets.QWidget):
             self._draw_curve(painter, place)
         painter.setPen(self.palette().color(QtGui.QPalette.WindowText))
         painter.drawRect(place)
-        for nm in range(int(SHORTEST_NM), int(LONGEST_NM) + 1, 100):
+        for nm in LABELLED_NM:
             centre = place.left() + (nm - SHORTEST_NM) / (LONGEST_NM - SHORTEST_NM) * place.width()
             label = QtCore.QRectF(centre - 30.0, place.bottom() + 2.0, 60.0, BOTTOM)
-            label.moveRight(min(label.right(), float(self.width())))
-            painter.drawText(label, QtCore.Qt.AlignHCenter | QtCore.Qt.AlignTop, f"{nm}" if nm < LONGEST_NM else "nm")
+            painter.drawText(label, QtCore.Qt.AlignHCenter | QtCore.Qt.AlignTop, f"{nm} nm")
         for percent in (0, 50, 100):
             middle = place.bottom() - percent / 100.0 * place.height()
             label = QtCore.QRectF(0.0, middle - 10.0, LEFT - 4.0, 20.0)

@@ -93,6 +93,22 @@ def main_job(facts):
     yield lambda: not FreeCADGui.Control.activeDialog()
     facts["glass_after_cancel"] = container.Glass
     facts["colour_after_cancel"] = container.ViewObject.ShapeColor[:3] == clear
+
+    from glassworkbench.gui.glass_panel import GlassPanel
+
+    panel = GlassPanel(container)
+    FreeCADGui.Control.showDialog(panel)
+    yield lambda: task_panel_button("Ok")
+    (FOLDER / "own.toml").write_text('[glass.heavy_blue]\nlike = "cobalt_blue"\ndensity_g_per_cm3 = 3.0\n')
+    panel.add_glasses(str(FOLDER / "own.toml"))
+    facts["glass_added"] = container.Glass
+    later(lambda: panel.add_glasses(str(FOLDER / "own.toml")))
+    yield lambda: QtWidgets.QApplication.activeModalWidget() is not None
+    facts["dialog_of_added_twice"] = open_dialog()
+    later(task_panel_button("Cancel").click)
+    yield lambda: not FreeCADGui.Control.activeDialog()
+    facts["glass_after_adding_and_cancel"] = container.Glass
+
     FreeCADGui.runCommand("Glass_SetGlass")
     yield lambda: task_panel_button("Ok")
     child(window, "glass").choose("emerald")
