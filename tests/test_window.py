@@ -210,5 +210,5 @@ def test_nothing_is_traced_back_and_freecad_ends_well(main_job):
 
 def pixels_of(path):
     """The picture as uint8 (h, w, 3)."""
-    values, _, _ = files.read(path)
+    values, *_ = files.read(path)
     return np.rint(255.0 * values[:, :, :3]).astype(np.uint8)
