@@ -14,9 +14,10 @@ from glassworkbench.scene import Scene, Telecentric, is_mirror_symmetric
 from glassworkbench.tracer import native
 from glassworkbench.tracer.checkpoint import Checkpoint, Place, Stopped
 from glassworkbench.tracer.control import Cancel
+from glassworkbench.tracer.extent import longest_chord_mm
 from glassworkbench.tracer.film import Film
 from glassworkbench.tracer.part import Part
-from glassworkbench.tracer.plan import LARGEST_CUTOFF, Plan, longest_chord_mm
+from glassworkbench.tracer.plan import LARGEST_CUTOFF, Plan
 from glassworkbench.tracer.progress import Meter
 from glassworkbench.tracer.reference_film import ReferenceScene
 from glassworkbench.tracer.tiles import tiles_of
