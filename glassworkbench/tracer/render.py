@@ -12,7 +12,7 @@ import numpy as np
 from glassworkbench import __version__
 from glassworkbench.errors import InputError
 from glassworkbench.images import Image
-from glassworkbench.scene import Mesh, Scene
+from glassworkbench.scene import Scene
 from glassworkbench.scene.digest import digest
 from glassworkbench.scene.validate import positive
 from glassworkbench.tracer import native
@@ -181,8 +181,8 @@ def _image(rendering: Rendering, crop: Part, region: Part | None, set_up_seconds
     def cut(values: np.ndarray) -> np.ndarray:
         return crop.cut(values.reshape(film.height, film.width, *values.shape[1:]))
 
-    pruned, sampling = cut(film.pruned), cut(film.sampling)
-    total = pruned + sampling
+    pruned, sampling, surface = cut(film.pruned), cut(film.sampling), rendering.surface_error
+    total = pruned + sampling + surface
     report = {
         "seconds": round(rendering.seconds(), 3),
         "set_up_seconds": round(set_up_seconds, 3),
@@ -194,7 +194,7 @@ def _image(rendering: Rendering, crop: Part, region: Part | None, set_up_seconds
         "certificate": {
             "pruned": float(pruned[counts].mean()),
             "sampling": float(sampling[counts].mean()),
-            "surface": _surface_error(scene),
+            "surface": float(surface[counts].mean()),
             "total_p50": float(np.percentile(total[counts], 50)),
             "total_p99": float(np.percentile(total[counts], 99)),
             "total_max": float(total[counts].max()),
@@ -217,8 +217,3 @@ def _image(rendering: Rendering, crop: Part, region: Part | None, set_up_seconds
         corner=(crop.left, crop.top),
         whole=scene.size,
     )
-
-
-def _surface_error(scene: Scene) -> float | None:
-    """Return the error that approximate surfaces add: none where all are exact, unknown where there is a mesh."""
-    return None if any(isinstance(body.surface, Mesh) for body in scene.bodies) else 0.0

@@ -20,6 +20,7 @@ from glassworkbench.tracer.part import Part
 from glassworkbench.tracer.plan import LARGEST_CUTOFF, Plan
 from glassworkbench.tracer.progress import Meter
 from glassworkbench.tracer.reference_film import ReferenceScene
+from glassworkbench.tracer.surface_error import surface_error
 from glassworkbench.tracer.tiles import tiles_of
 
 CUTOFF_STEP = 0.25
@@ -45,7 +46,7 @@ WORTH_SECONDS = 5.0
 
 
 class Rendering:
-    """A film, and how far it is.
+    """A film, how far it is, and the error (h, w) of the crop's pixels that its approximate surfaces add.
 
     Parameters
     ----------
@@ -85,6 +86,7 @@ class Rendering:
         self._engine = _engine(scene)
         self._halvings = _halvings(scene)
         self._ambient = self._measured_ambient()
+        self.surface_error = surface_error(scene, crop, self._probe)
 
     def resume(self) -> None:
         """Go on from the checkpoint.
@@ -179,6 +181,19 @@ class Rendering:
         if self.is_mirrored:
             wanted[:, -(-film.width // 2) :] = 0
         return wanted
+
+    def _probe(self, scene: Scene, origins: np.ndarray, directions: np.ndarray) -> np.ndarray:
+        """Return what rays see of a scene that differs from the rendering's own in its surfaces alone."""
+        engine = self._engine if scene is self.scene else type(self._engine)(scene)
+        seen = engine.radiance(
+            origins,
+            directions,
+            cutoff=self.chosen.cutoff,
+            absorption=self.chosen.is_on("absorption"),
+            threads=self.threads,
+            cancel=self.cancel,
+        )
+        return seen.radiance + seen.left_out * self._ambient
 
     def _measured_ambient(self) -> np.ndarray:
         """Return the mean light (3,) at the end of paths that a smaller cut-off adds, on a few rays."""
