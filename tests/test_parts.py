@@ -50,8 +50,9 @@ def test_a_crop_is_to_the_byte_what_the_whole_image_has_there(is_mirrored, crop)
     assert (part.corner, part.whole) == (crop[:2], SIZE)
 
 
-def test_a_region_is_as_good_as_in_the_whole_image_and_the_rest_is_cheap():
-    seen, region = scene(False), (12, 8, 7, 9)
+@pytest.mark.parametrize("is_mirrored", [True, False])
+def test_a_region_is_as_good_as_in_the_whole_image_and_the_rest_is_cheap(is_mirrored):
+    seen, region = scene(is_mirrored), (13, 8, 6, 9)
     image, whole = render(seen, tolerance=0.01, region=region), render(seen, tolerance=0.01)
     assert image.pixels.shape == whole.pixels.shape
     assert np.all(np.isfinite(image.certificate))

@@ -170,6 +170,9 @@ class ImageView(QtWidgets.QWidget):
         self._progress.setValue(round(PROGRESS_STEPS * fraction))
 
     def _on_image(self, image: Image) -> None:
+        if self._thread is None:
+            # Qt still delivers what a stopped thread sent before.
+            return
         if self._thread.crop is None:
             self.image, self._shown = image, (self._thread.scene, self._thread.tolerance)
         else:

@@ -131,7 +131,8 @@ class Image:
         path = check_writable(path, IMAGE_ENDINGS)
         told = self.description()
         if path.suffix.lower() in LINEAR_ENDINGS:
-            channels = np.dstack([self.pixels, self.certificate, self.depth_mm]).astype(np.float32)
+            channels = np.empty((*self.certificate.shape, len(CHANNELS)), dtype=np.float32)
+            channels[:, :, :3], channels[:, :, 3], channels[:, :, 4] = self.pixels, self.certificate, self.depth_mm
             files.write(path, channels, CHANNELS, told, (self.corner, self.whole))
         else:
             told |= {"tone_curve": "sRGB", "exposure": f"{exposure:g}"}

@@ -176,7 +176,7 @@ def _asked(scene: Scene, chosen: Plan, targets: list[float], crop: Part, region:
 
 def _image(rendering: Rendering, crop: Part, region: Part | None, set_up_seconds: float) -> Image:
     scene, film, chosen = rendering.scene, rendering.film, rendering.chosen
-    counts = crop.cut((region or crop).mask(scene.size))
+    counts = ... if region is None else crop.cut(region.mask(scene.size))
 
     def cut(values: np.ndarray) -> np.ndarray:
         return crop.cut(values.reshape(film.height, film.width, *values.shape[1:]))

@@ -81,6 +81,9 @@ class Rendering:
         self.place = Place()
         self.is_mirrored = is_mirror_symmetric(scene)
         self._crop, self._region = crop.mask(scene.size), region.mask(scene.size)
+        if self.is_mirrored:
+            for mask in (self._crop, self._region):
+                mask |= mask[:, ::-1].copy()
         self._began = time.perf_counter()
         self._seconds_before = 0.0
         self._engine = _engine(scene)
@@ -175,8 +178,6 @@ class Rendering:
         film = self.film
         wanted = (film.error > target) if step == 0 else (film.pruned > 0.5 * target)
         asked = self._crop if self.place.number == 0 else self._crop & self._region
-        if self.is_mirrored:
-            asked = asked | asked[:, ::-1]
         wanted = (wanted.reshape(asked.shape) & asked).astype(np.uint8)
         if self.is_mirrored:
             wanted[:, -(-film.width // 2) :] = 0

@@ -59,7 +59,7 @@ def surface_error(scene: Scene, part: Part, probe: Probe) -> np.ndarray:
     """
     doubts = {k: doubt for k, body in enumerate(scene.bodies) if (doubt := _doubt(body)) is not None}
     if not doubts:
-        return np.zeros((part.height, part.width))
+        return np.broadcast_to(0.0, (part.height, part.width))
     rows = np.arange(part.top // STEP - 1, (part.top + part.height - 1) // STEP + 2)
     columns = np.arange(part.left // STEP - 1, (part.left + part.width - 1) // STEP + 2)
     x, y = np.meshgrid((columns + 0.5) * STEP, (rows + 0.5) * STEP)
