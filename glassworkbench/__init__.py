@@ -31,6 +31,7 @@ _HOMES = {
     "read_image": "glassworkbench.images",
     "radiance": "glassworkbench.tracer.native",
     "follow": "glassworkbench.tracer.native",
+    "ray_path": "glassworkbench.tracer",
     "make_container": "glassworkbench.document",
     "make_render": "glassworkbench.document",
     "render_image": "glassworkbench.document",

@@ -20,7 +20,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from glassworkbench import __version__
-from glassworkbench.errors import Cancelled, GlassWorkbenchError, InputError
+from glassworkbench.errors import GlassWorkbenchError, InputError
 from glassworkbench.glass import Filling, Glass, catalogue, facts, fillings, find_filling, find_glass, refused
 from glassworkbench.glass.facts import in_words
 from glassworkbench.glass.pictures import CURVES, SWATCHES, save_curves, save_swatches
@@ -68,7 +68,7 @@ def main(arguments: Sequence[str]) -> int:
         return int(stop.code or DONE)
     except InputError as error:
         return _told(error, BAD_INPUT, verbose)
-    except (KeyboardInterrupt, Cancelled):
+    except KeyboardInterrupt:
         return _told("cancelled", FAILED, verbose)
     except GlassWorkbenchError as error:
         return _told(error, FAILED, verbose)
@@ -95,6 +95,7 @@ _OPTIONS = {
     "scale_to_mm=": "--scale ",
     "scale_to_mm": "--scale",
     "tolerance_mm": "--tolerance",
+    "resume=True": "--resume",
 }
 """What the rooms call by its name in Python, and how it is called here."""
 
@@ -342,12 +343,19 @@ def _prepare_render(parser: argparse.ArgumentParser) -> None:
     price = parser.add_mutually_exclusive_group()
     price.add_argument("--tolerance", type=float, metavar="T", help="accepted error of a pixel; white is 1 (0.02)")
     price.add_argument("--seconds", type=float, metavar="S", help="refine until this time is over")
+    parser.add_argument("--crop", type=_box, metavar="X,Y,W,H", help="deliver only these pixels of the image")
+    parser.add_argument(
+        "--region", type=_box, metavar="X,Y,W,H", help="pixels where the tolerance counts; the rest is coarse"
+    )
     parser.add_argument("--effects", choices=("auto", "all", "none"), default="auto", help="what to trace (auto)")
     parser.add_argument(
         "--effect", type=_effect, action="append", default=[], metavar="NAME=on|off", help=f"of {', '.join(EFFECTS)}"
     )
     parser.add_argument("--exposure", type=float, default=0.0, metavar="STOPS", help="of .png and .jpg (0)")
     parser.add_argument("--threads", type=int, metavar="N", help="all processors where not given")
+    parser.add_argument(
+        "--resume", metavar="FILE", help="go on from what an earlier, unfinished run left as IMAGE.checkpoint"
+    )
     _add_report_options(parser)
 
 
@@ -361,6 +369,14 @@ def _size(text: str) -> tuple[int, int]:
             f"{text} pixels is impossible; each side is 1 to {MAXIMUM_SIDE}, both together at most {MAXIMUM_PIXELS}"
         )
     return width, height
+
+
+def _box(text: str) -> tuple[int, ...]:
+    if re.fullmatch(r"\d+,\d+,\d+,\d+", text) is None:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is no part of an image; write left, top, width, height in pixels, as 120,80,64,64"
+        )
+    return tuple(int(number) for number in text.split(","))
 
 
 def _effect(text: str) -> tuple[str, bool]:
@@ -382,7 +398,8 @@ def _render(options: argparse.Namespace) -> None:
     everything = {"auto": {}, "all": dict.fromkeys(EFFECTS, True), "none": dict.fromkeys(EFFECTS, False)}
     scene = _scene(options)
     set_up_seconds = time.perf_counter() - started
-    image = _traced(scene, options, everything[options.effects] | dict(options.effect))
+    checkpoint = options.resume or f"{outputs[0]}.checkpoint"
+    image = _traced(scene, options, everything[options.effects] | dict(options.effect), checkpoint)
     for path in outputs:
         image.save(path, options.exposure)
     report = dict(image.report) | {"set_up_seconds": round(set_up_seconds, 3), "input": _input(options.mold)}
@@ -439,7 +456,7 @@ def _read_step(path: Path) -> Surface:
     return surface
 
 
-def _traced(scene: Scene, options: argparse.Namespace, effects: Mapping[str, bool]) -> Image:
+def _traced(scene: Scene, options: argparse.Namespace, effects: Mapping[str, bool], checkpoint: str) -> Image:
     """Render on another thread, so that this one hears Ctrl-C while the native core works."""
     cancel = Cancel()
     with _bar("rendering", options.quiet) as progress, ThreadPoolExecutor(1) as worker:
@@ -449,14 +466,21 @@ def _traced(scene: Scene, options: argparse.Namespace, effects: Mapping[str, boo
             tolerance=options.tolerance,
             seconds=options.seconds,
             threads=options.threads,
+            crop=options.crop,
+            region=options.region,
             effects=effects,
             cancel=cancel,
             progress=progress,
+            checkpoint=checkpoint,
+            resume=options.resume is not None,
         )
         try:
             return image.result()
-        finally:
+        except KeyboardInterrupt:
             cancel.set()
+            # Its own exception tells whether there is something to go on from.
+            image.result()
+            raise
 
 
 @contextmanager

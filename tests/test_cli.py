@@ -19,7 +19,8 @@ import pytest
 from glassworkbench import __version__
 from glassworkbench.cli import main
 from glassworkbench.images import read_image
-from glassworkbench.tracer import render
+from glassworkbench.scene.file import read_scene
+from glassworkbench.tracer import checkpoint, render, rendering
 
 ROOT = Path(__file__).resolve().parent.parent
 PROGRAM = ROOT / "bin" / "glassworkbench"
@@ -458,6 +459,52 @@ def test_a_stopped_render_leaves_nothing(tmp_path, route, stop):
     assert process.returncode == 1
     assert err == "glassworkbench: cancelled\n"
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_crop_is_delivered_alone(tmp_path):
+    whole, part = tmp_path / "whole.exr", tmp_path / "part.exr"
+    assert main(["render", BALL, "-o", str(whole), "--size", "20x20"]) == 0
+    assert main(["render", BALL, "-o", str(part), "--size", "20x20", "--crop", "3,4,9,7"]) == 0
+    assert np.array_equal(read_image(part).pixels, read_image(whole).pixels[4:11, 3:12])
+    assert read_image(part).corner == (3, 4)
+
+
+def test_the_certificate_told_of_a_region_is_that_of_the_region(tmp_path, capsys):
+    arguments = ["render", BALL, "-o", str(tmp_path / "x.png"), "--size", "40x40", "--region", "18,18,4,4"]
+    assert main([*arguments, "--tolerance", "0.01", "--json"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert report["region"] == [18, 18, 4, 4]
+    assert report["certificate"]["total_max"] <= 0.01
+
+
+@pytest.mark.parametrize("option", ["--crop", "--region"])
+@pytest.mark.parametrize("box", ["1,2,3", "a,b,c,d", "-1,0,5,5", "0,0,50,50"])
+def test_a_part_that_cannot_be_is_refused(tmp_path, capsys, option, box):
+    assert main(["render", BALL, "-o", str(tmp_path / "x.png"), "--size", "20x20", f"{option}={box}"]) == 2
+    assert option.strip("-") in told(capsys)
+
+
+def test_a_rendering_that_was_stopped_goes_on(tmp_path, monkeypatch, capsys):
+    class Stop(Exception):
+        pass
+
+    def stop(share):
+        if share > 0.2:
+            raise Stop
+
+    whole, picture = tmp_path / "whole.exr", tmp_path / "picture.exr"
+    monkeypatch.setattr(checkpoint, "INTERVAL_SECONDS", 0.0)
+    monkeypatch.setattr(rendering, "BATCH_SECONDS", 1e-9)
+    scene = dataclasses.replace(read_scene(BALL), size=(70, 70))
+    with pytest.raises(Stop):
+        render(scene, tolerance=0.1, checkpoint=f"{picture}.checkpoint", progress=stop)
+    arguments = ["render", BALL, "--size", "70x70", "-o"]
+    assert main([*arguments, str(picture), "--tolerance", "0.05", "--resume", f"{picture}.checkpoint"]) == 2
+    assert "another tolerance" in told(capsys)
+    assert main([*arguments, str(picture), "--tolerance", "0.1", "--resume", f"{picture}.checkpoint"]) == 0
+    assert main([*arguments, str(whole), "--tolerance", "0.1"]) == 0
+    assert np.array_equal(read_image(picture).pixels, read_image(whole).pixels)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["picture.exr", "whole.exr"]
 
 
 def shown_on_terminal(command, columns):

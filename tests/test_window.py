@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -185,6 +186,23 @@ def test_the_saved_pictures_are_what_the_window_shows(main_job):
     np.testing.assert_array_equal(pixels_of(folder / "saved.png"), saved.display())
 
 
+def test_a_click_in_the_picture_draws_the_ray_in_the_3d_view(main_job):
+    with_ray, without = (pixels_of(main_job["folder"] / f"{name}.png").astype(int) for name in ("ray", "no_ray"))
+    changed = np.abs(with_ray - without).max(axis=2) > 60
+    assert 100 < changed.sum() < 20000, "a line, and nothing else"
+    assert re.match(r"The ray meets ([4-9]|\d\d) surfaces", main_job["ray"]["status"])
+    assert main_job["ray"]["mode"] == "Ray"
+
+
+def test_a_drag_over_the_picture_refines_that_part_alone(main_job):
+    refined = main_job["refined"]
+    assert refined["started"]
+    assert refined["errors"][1] < 0.5 * refined["errors"][0]
+    assert refined["rest_is_same"]
+    rows, columns = main_job["picture_size"]
+    assert refined["part"] == pytest.approx([columns * 3 / 8, rows / 2, columns / 4, rows / 8], abs=3)
+
+
 def test_another_wall_recomputes(main_job):
     assert main_job["thicker"]["minimum_wall"] == pytest.approx(4.0, rel=0.02)
     assert main_job["thicker"]["weight_grams"] > 1.2 * main_job["container"]["weight_grams"]
@@ -219,5 +237,5 @@ def test_nothing_is_traced_back_and_freecad_ends_well(main_job):
 
 def pixels_of(path):
     """The picture as uint8 (h, w, 3)."""
-    values, _, _ = files.read(path)
+    values, *_ = files.read(path)
     return np.rint(255.0 * values[:, :, :3]).astype(np.uint8)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import dataclasses
 from typing import Any
 
+import numpy as np
+
 from glassworkbench.document.container import is_container, wall_text
 from glassworkbench.document.properties import HIDDEN, OUTPUT, READ_ONLY, Property, add_properties, set_choices
 from glassworkbench.errors import InputError
@@ -115,6 +117,20 @@ def scene(obj: Any) -> Scene:
     seen = place_in_station(obj.Station, geometry, container.Glass, obj.Fill or None, (obj.Width, obj.Height))
     told = {"mold": container.Source.Label, "wall": wall_text(container)}
     return dataclasses.replace(seen, metadata={**seen.metadata, **told})
+
+
+def placement(obj: Any) -> np.ndarray:
+    """Return the matrix (4, 4) that takes a render object's scene to the coordinates of its document.
+
+    Raises
+    ------
+    GlassWorkbenchError
+        If the container is missing or has a fault.
+    """
+    container = obj.Container
+    if container is None:
+        raise InputError(f"{obj.Label}: no container is linked; choose one in Container")
+    return container.Proxy.container(container).mold.placement
 
 
 def is_render(obj: Any) -> bool:

@@ -4,15 +4,22 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from glassworkbench.document.appearance import colour, transparency_percent
+from glassworkbench.document.ray_view import ray_node
 from glassworkbench.document.wall_legend import legend_node
 from glassworkbench.document.wall_view import wall_node
 from glassworkbench.errors import GlassWorkbenchError
 from glassworkbench.freecad import FreeCAD
 from glassworkbench.glass import catalogue
 from glassworkbench.settings import RESOURCES
+from glassworkbench.tracer.path import RayPath
 
 ICONS = RESOURCES / "icons"
+
+RAY = "Ray"
+"""The display mode of a picture: the path of the ray that was followed in it."""
 
 WALL = "Wall"
 """The display mode that shows a container in the colours of its wall's thickness."""
@@ -131,7 +138,32 @@ class ContainerView(_View):
 
 
 class RenderView(_View):
-    """A picture in the tree."""
+    """A picture in the tree; the ray that was followed in it, in the 3D view."""
+
+    def attach(self, view: Any) -> None:
+        """Add the way to show it: the path of a ray, none at first."""
+        from pivy import coin
+
+        super().attach(view)
+        self._ray = coin.SoGroup()
+        view.addDisplayMode(self._ray, RAY)
+
+    def getDisplayModes(self, view: Any) -> list[str]:  # noqa: N802 (FreeCAD's name)
+        """Return the ways to show it."""
+        return [RAY]
+
+    def getDefaultDisplayMode(self) -> str:  # noqa: N802 (FreeCAD's name)
+        """Return the only one."""
+        return RAY
+
+    def setDisplayMode(self, mode: str) -> str:  # noqa: N802 (FreeCAD's name)
+        """Return the mode as it is."""
+        return mode
+
+    def show_ray(self, path: RayPath, placement: np.ndarray) -> None:
+        """Draw the path of a ray in place of the one before; `placement` (4, 4) takes it to the document."""
+        self._ray.removeAllChildren()
+        self._ray.addChild(ray_node(path, placement))
 
     def getIcon(self) -> str:  # noqa: N802 (FreeCAD's name)
         """Return the icon's path."""

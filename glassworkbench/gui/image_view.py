@@ -9,14 +9,21 @@ import numpy as np
 
 from glassworkbench.errors import GlassWorkbenchError
 from glassworkbench.gui import preferences
+from glassworkbench.gui.canvas import Canvas
 from glassworkbench.gui.feedback import show_error, translate
 from glassworkbench.gui.qt import QtCore, QtGui, QtWidgets
 from glassworkbench.gui.render_thread import RenderThread
 from glassworkbench.images import IMAGE_ENDINGS, Image
 from glassworkbench.scene import Scene
 from glassworkbench.tracer import native
+from glassworkbench.tracer.path import RayPath, ray_path
 
 PROGRESS_STEPS = 1000
+REFINEMENT = 0.25
+"""What dragging over a part of the picture makes of its error."""
+
+FINEST_TOLERANCE = 1e-4
+
 STOP_MILLISECONDS = 10000
 """The longest wait for a cancelled thread when the window closes."""
 
@@ -28,15 +35,23 @@ class ImageView(QtWidgets.QWidget):
     ----------
     make_scene : callable returning (Scene, float)
         What to trace and its tolerance; called in the window's thread whenever the user asks for a new picture.
+    show_ray : callable taking a RayPath
+        Called with the ray through the point of the picture that the user clicks at.
     """
 
-    def __init__(self, make_scene: Callable[[], tuple[Scene, float]]) -> None:
+    def __init__(self, make_scene: Callable[[], tuple[Scene, float]], show_ray: Callable[[RayPath], None]) -> None:
         super().__init__()
-        self._make_scene = make_scene
+        self._make_scene, self._show_ray = make_scene, show_ray
+        self._shown: tuple[Scene, float] | None = None
         self._thread: RenderThread | None = None
         self.image: Image | None = None
 
-        self._canvas = _Canvas()
+        self._canvas = Canvas()
+        self._canvas.setToolTip(
+            translate("Glass_Render", "Click to follow a ray in the 3D view; drag to refine a part")
+        )
+        self._canvas.clicked.connect(self.follow)
+        self._canvas.dragged.connect(self.refine)
         self._status = QtWidgets.QLabel(objectName="status", wordWrap=True)
         self._progress = QtWidgets.QProgressBar(objectName="progress", maximum=PROGRESS_STEPS)
         self._cancel = QtWidgets.QPushButton(translate("Glass_Render", "Cancel"), objectName="cancel")
@@ -72,7 +87,37 @@ class ImageView(QtWidgets.QWidget):
         except GlassWorkbenchError as error:
             show_error(error)
             return
-        self._thread = RenderThread(scene, tolerance)
+        self._run(RenderThread(scene, tolerance))
+
+    def refine(self, left: int, top: int, width: int, height: int) -> None:
+        """Trace a part of the finished picture again, to a quarter of its error; no more while one is running."""
+        if self.running() or self._shown is None:
+            return
+        scene, tolerance = self._shown
+        worst = float(np.max(self.image.certificate[top : top + height, left : left + width]))
+        finer = max(FINEST_TOLERANCE, REFINEMENT * min(worst, tolerance))
+        self._run(RenderThread(scene, finer, (left, top, width, height)))
+
+    def follow(self, column: float, row: float) -> None:
+        """Show the ray through a point of the picture in the 3D view, and tell where it went."""
+        if self._shown is None:
+            return
+        scene, _ = self._shown
+        width, height = scene.size
+        origins, directions = scene.camera.rays(
+            np.array([(2.0 * column - width) / height]), np.array([1.0 - 2.0 * row / height])
+        )
+        try:
+            path = ray_path(scene, origins[0], directions[0])
+            self._show_ray(path)
+        except GlassWorkbenchError as error:
+            show_error(error)
+            return
+        if not self.running():
+            self._status.setText(_told_of_ray(path))
+
+    def _run(self, thread: RenderThread) -> None:
+        self._thread = thread
         self._thread.progressed.connect(self._on_progress, QtCore.Qt.QueuedConnection)
         self._thread.improved.connect(self._on_image, QtCore.Qt.QueuedConnection)
         self._thread.completed.connect(self._on_completed, QtCore.Qt.QueuedConnection)
@@ -125,7 +170,13 @@ class ImageView(QtWidgets.QWidget):
         self._progress.setValue(round(PROGRESS_STEPS * fraction))
 
     def _on_image(self, image: Image) -> None:
-        self.image = image
+        if self._thread is None:
+            # Qt still delivers what a stopped thread sent before.
+            return
+        if self._thread.crop is None:
+            self.image, self._shown = image, (self._thread.scene, self._thread.tolerance)
+        else:
+            self.image = self.image.with_part(image)
         self._save.setEnabled(True)
         self._show()
 
@@ -170,35 +221,6 @@ class ImageView(QtWidgets.QWidget):
         preferences.remember_text("Folder", str(Path(path).parent))
 
 
-class _Canvas(QtWidgets.QWidget):
-    """Paints a picture as large as fits, its proportions kept."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.setMinimumSize(120, 160)
-        self._picture: QtGui.QImage | None = None
-
-    def show_pixels(self, pixels: np.ndarray) -> None:
-        """Show uint8 sRGB `pixels` (h, w, 3)."""
-        height, width = pixels.shape[:2]
-        picture = QtGui.QImage(pixels.tobytes(), width, height, 3 * width, QtGui.QImage.Format_RGB888)
-        # The copy owns its memory; the array's ends with this call.
-        self._picture = picture.copy()
-        self.update()
-
-    def paintEvent(self, event: QtGui.QPaintEvent) -> None:  # noqa: N802 (Qt's name)
-        """Paint."""
-        painter = QtGui.QPainter(self)
-        painter.fillRect(self.rect(), QtGui.QColor(48, 48, 48))
-        if self._picture is not None:
-            size = self._picture.size().scaled(self.size(), QtCore.Qt.KeepAspectRatio)
-            place = QtCore.QRect(QtCore.QPoint(0, 0), size)
-            place.moveCenter(self.rect().center())
-            painter.setRenderHint(QtGui.QPainter.SmoothPixmapTransform)
-            painter.drawImage(place, self._picture)
-        painter.end()
-
-
 def _summary(image: Image) -> str:
     """Return what the picture cost and how wrong it may be."""
     seconds = image.report.get("seconds", float("nan"))
@@ -206,3 +228,16 @@ def _summary(image: Image) -> str:
     return translate(
         "Glass_Render", "{:.1f} s; error below {:.2g} % of white (median), {:.2g} % (99 % of the pixels)"
     ).format(seconds, median, nearly_all)
+
+
+def _told_of_ray(path: RayPath) -> str:
+    """Return where a ray went."""
+    count, total = len(path.crossings), int(np.sum(path.is_reflected()))
+    length = float(np.sum(np.linalg.norm(np.diff(path.points_mm, axis=0), axis=1)))
+    if path.panel is None:
+        return translate("Glass_Render", "The ray meets {} surfaces, {} of them totally reflecting").format(
+            count, total
+        )
+    return translate(
+        "Glass_Render", "The ray meets {} surfaces, {} of them totally reflecting, and after {:.0f} mm a luminous panel"
+    ).format(count, total, length)

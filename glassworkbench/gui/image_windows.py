@@ -6,12 +6,13 @@ from typing import Any
 
 import FreeCADGui
 
-from glassworkbench.document.render import scene
+from glassworkbench.document.render import placement, scene
 from glassworkbench.gui.feedback import busy, translate
 from glassworkbench.gui.image_view import ImageView
 from glassworkbench.gui.qt import QtCore, QtGui, QtWidgets
 from glassworkbench.scene import Scene
 from glassworkbench.settings import RESOURCES
+from glassworkbench.tracer.path import RayPath
 
 
 def show_render(obj: Any) -> ImageView:
@@ -43,7 +44,10 @@ def _new_view(obj: Any) -> ImageView:
         with busy(translate("Glass_Render", "Preparing the container for rendering…")):
             return scene(obj), obj.Tolerance
 
-    view = ImageView(snapshot)
+    def show_ray(path: RayPath) -> None:
+        obj.ViewObject.Proxy.show_ray(path, placement(obj))
+
+    view = ImageView(snapshot, show_ray)
     view.setObjectName(_window_name(obj))
     window = _area().addSubWindow(view)
     window.setWindowIcon(QtGui.QIcon(str(RESOURCES / "icons" / "Glass_Render.svg")))

@@ -12,7 +12,9 @@ from glassworkbench.tracer import Cancel, render
 
 
 class RenderThread(QtCore.QThread):
-    """Traces one scene; the receivers of its signals live in the window's thread, so Qt queues them.
+    """Traces one scene, or a crop of its image.
+
+    The receivers of its signals live in the window's thread, so Qt queues them.
 
     Signals
     -------
@@ -35,10 +37,11 @@ class RenderThread(QtCore.QThread):
     failed = QtCore.Signal(str)
     ended = QtCore.Signal()
 
-    def __init__(self, scene: Scene, tolerance: float) -> None:
+    def __init__(self, scene: Scene, tolerance: float, crop: tuple[int, int, int, int] | None = None) -> None:
         super().__init__()
-        self._scene = scene
-        self._tolerance = tolerance
+        self.scene = scene
+        self.tolerance = tolerance
+        self.crop = crop
         self._cancel = Cancel()
 
     def run(self) -> None:
@@ -61,9 +64,11 @@ class RenderThread(QtCore.QThread):
 
     def _trace(self) -> Image:
         return render(
-            self._scene,
-            tolerance=self._tolerance,
+            self.scene,
+            tolerance=self.tolerance,
+            crop=self.crop,
             cancel=self._cancel,
             progress=self.progressed.emit,
-            on_pass=self.improved.emit,
+            # A glance at a crop would be worse than what the whole image has there.
+            on_pass=self.improved.emit if self.crop is None else None,
         )

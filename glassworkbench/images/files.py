@@ -13,9 +13,16 @@ import OpenImageIO
 from glassworkbench.errors import GlassWorkbenchError, InputError
 from glassworkbench.output import written_aside
 
+Place = tuple[tuple[int, int], tuple[int, int]]
+"""Where an image's upper left pixel lies in the whole of which it is a crop, and the whole's width and height."""
 
-def write(path: Path, values: np.ndarray, channels: Sequence[str], text: Mapping[str, str]) -> None:
+
+def write(
+    path: Path, values: np.ndarray, channels: Sequence[str], text: Mapping[str, str], place: Place | None = None
+) -> None:
     """Write `values` (h, w, channels), uint8 or float32, with `text` as metadata.
+
+    The place goes into EXR files, as data window within a display window; other formats know of none.
 
     TIFF and JPEG keep only the tags they know, TIFF no channel names, and OpenImageIO 3 drops an EXR attribute
     called version: so `text` and the channels' names also go, as JSON, into the image's description.
@@ -25,6 +32,8 @@ def write(path: Path, values: np.ndarray, channels: Sequence[str], text: Mapping
         width, height, len(channels), OpenImageIO.UINT8 if values.dtype == np.uint8 else OpenImageIO.FLOAT
     )
     spec.channelnames = tuple(channels)
+    if place is not None and path.suffix.lower() == ".exr":
+        (spec.x, spec.y), (spec.full_width, spec.full_height) = place
     spec.attribute("oiio:ColorSpace", "sRGB" if values.dtype == np.uint8 else "Linear")
     spec.attribute("CompressionQuality", 95)
     spec.attribute("Software", f"GlassWorkbench {text['version']}" if "version" in text else "GlassWorkbench")
@@ -40,8 +49,10 @@ def write(path: Path, values: np.ndarray, channels: Sequence[str], text: Mapping
             raise GlassWorkbenchError(f"{path}: could not be written ({output.geterror()})")
 
 
-def read(path: str | Path) -> tuple[np.ndarray, tuple[str, ...], dict[str, str]]:
-    """Return values (h, w, channels) as float64 (integers scaled to 0..1), channel names, and the text written.
+def read(path: str | Path) -> tuple[np.ndarray, tuple[str, ...], dict[str, str], Place]:
+    """Return values (h, w, channels) as float64 (integers scaled to 0..1), channel names, the text written, the place.
+
+    An EXR file of another program may hold pixels outside its display window: it is read as if it were whole.
 
     Raises
     ------
@@ -65,7 +76,14 @@ def read(path: str | Path) -> tuple[np.ndarray, tuple[str, ...], dict[str, str]]
     channels = tuple(text.pop("channels", "").split(","))
     if len(channels) != spec.nchannels or Path(path).suffix.lower() == ".exr":
         channels = tuple(spec.channelnames)
-    return values, channels, text
+    return values, channels, text, _place(spec)
+
+
+def _place(spec: OpenImageIO.ImageSpec) -> Place:
+    left, top = spec.x - spec.full_x, spec.y - spec.full_y
+    if min(left, top) < 0 or left + spec.width > spec.full_width or top + spec.height > spec.full_height:
+        return (0, 0), (spec.width, spec.height)
+    return (left, top), (spec.full_width, spec.full_height)
 
 
 def _text(spec: OpenImageIO.ImageSpec) -> dict[str, str]:

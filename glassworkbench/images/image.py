@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -35,11 +35,15 @@ class Image:
         Mold, wall, glass, station and whatever else the file shall tell.
     report : mapping
         What the rendering cost and which effects it traced, as ``--report`` writes it.
+    corner : (int, int)
+        Column and row, in the whole image, of the upper left pixel; not 0, 0 where this is a crop.
+    whole : (int, int), optional
+        Width and height of the whole image; that of `pixels` where not given.
 
     Raises
     ------
     InputError
-        If the arrays' shapes do not belong together.
+        If the arrays' shapes do not belong together, or the crop does not lie in the whole.
     """
 
     pixels: np.ndarray
@@ -47,6 +51,8 @@ class Image:
     depth_mm: np.ndarray
     metadata: Mapping[str, str] = field(default_factory=dict)
     report: Mapping = field(default_factory=dict)
+    corner: tuple[int, int] = (0, 0)
+    whole: tuple[int, int] | None = None
 
     def __post_init__(self) -> None:
         for name in ("pixels", "certificate", "depth_mm"):
@@ -57,6 +63,36 @@ class Image:
             shape = getattr(self, name).shape
             if shape != self.pixels.shape[:2]:
                 raise InputError(f"{name}: expected shape {self.pixels.shape[:2]}, got {shape}")
+        height, width = self.pixels.shape[:2]
+        (left, top), whole = self.corner, self.whole or (width, height)
+        object.__setattr__(self, "whole", tuple(whole))
+        if min(left, top) < 0 or left + width > whole[0] or top + height > whole[1]:
+            raise InputError(
+                f"corner: {width}x{height} pixels at {left},{top} do not lie in an image of {whole[0]}x{whole[1]}"
+            )
+
+    def with_part(self, part: Image) -> Image:
+        """Return the image with a crop of the same whole in place of what it has there.
+
+        The report stays, and its ``parts`` list the reports of what was put in.
+
+        Raises
+        ------
+        InputError
+            If the crop does not lie in this image, or is of another whole.
+        """
+        left, top = part.corner[0] - self.corner[0], part.corner[1] - self.corner[1]
+        height, width = part.pixels.shape[:2]
+        rows, columns = slice(top, top + height), slice(left, left + width)
+        if part.whole != self.whole or min(left, top) < 0 or self.pixels[rows, columns].shape != part.pixels.shape:
+            raise InputError("part: it does not lie in this image; render it of the same scene, at the same size")
+        arrays = {}
+        for name in ("pixels", "certificate", "depth_mm"):
+            values = getattr(self, name).copy()
+            values[rows, columns] = getattr(part, name)
+            arrays[name] = values
+        report = {**self.report, "parts": [*self.report.get("parts", ()), part.report]}
+        return replace(self, **arrays, report=report)
 
     def display(self, exposure: float = 0.0) -> np.ndarray:
         """Return the uint8 sRGB picture (h, w, 3); `exposure` in stops, radiance 1 is white at 0."""
@@ -76,7 +112,8 @@ class Image:
         """Write the image; the ending decides.
 
         ``.exr`` and ``.tif`` keep float32 linear values with the channels R, G, B, certificate, depth and ignore
-        `exposure`; ``.png`` and ``.jpg`` hold the sRGB picture. All carry `description()`.
+        `exposure`; ``.exr`` also tells where in the whole image a crop lies (its data window). ``.png`` and ``.jpg``
+        hold the sRGB picture. All carry `description()`.
 
         Parameters
         ----------
@@ -94,8 +131,9 @@ class Image:
         path = check_writable(path, IMAGE_ENDINGS)
         told = self.description()
         if path.suffix.lower() in LINEAR_ENDINGS:
-            channels = np.dstack([self.pixels, self.certificate, self.depth_mm]).astype(np.float32)
-            files.write(path, channels, CHANNELS, told)
+            channels = np.empty((*self.certificate.shape, len(CHANNELS)), dtype=np.float32)
+            channels[:, :, :3], channels[:, :, 3], channels[:, :, 4] = self.pixels, self.certificate, self.depth_mm
+            files.write(path, channels, CHANNELS, told, (self.corner, self.whole))
         else:
             told |= {"tone_curve": "sRGB", "exposure": f"{exposure:g}"}
             files.write(path, self.display(exposure), CHANNELS[:3], told)
@@ -111,7 +149,7 @@ def read_image(path: str | Path) -> Image:
     InputError
         If the file is missing, is no image, or has no colour channels.
     """
-    values, names, told = files.read(path)
+    values, names, told, (corner, whole) = files.read(path)
     if _is_display(path):
         values = from_display(values, float(told.get("exposure", 0.0)))
     columns = {name: values[:, :, k] for k, name in enumerate(names)}
@@ -122,7 +160,8 @@ def read_image(path: str | Path) -> Image:
     else:
         raise InputError(f"{path}: expected the channels R, G and B, found {', '.join(names)}")
     unknown = np.full(pixels.shape[:2], np.nan)
-    return Image(pixels, columns.get("certificate", unknown), columns.get("depth", unknown), told)
+    certificate, depth_mm = columns.get("certificate", unknown), columns.get("depth", unknown)
+    return Image(pixels, certificate, depth_mm, told, corner=corner, whole=whole)
 
 
 def _is_display(path: str | Path) -> bool:

@@ -93,7 +93,7 @@ def mold_from_mesh(
     placement = placement_of(standing, vertices)
     upright = to_upright(vertices, standing)
     anatomy = survey(standing, placement, upright, triangles, [], None)
-    mesh = Mesh(*with_creased_normals(upright, triangles))
+    mesh = Mesh(*with_creased_normals(upright, triangles), has_averaged_normals=True)
     return Mold(None, None, placement, anatomy, name, mesh=mesh, repairs=tuple(repairs))
 
 

@@ -41,8 +41,8 @@ def exact_surface(shape: Part.Shape, deviation_mm: float = DEVIATION_MM) -> Patc
     -------
     Patches
         Its sheets are the surfaces of the faces, exact but for offset surfaces, which OCC approximates
-        (`FacePatches.error_mm`). Its own `deviation_mm` bounds how far the mesh's nodes lie off them: where faces do
-        not quite meet, that is the gap between them.
+        (`FacePatches.error_mm`): the largest such error is its `surface_error_mm`. Its own `deviation_mm` bounds how
+        far the mesh's nodes lie off them: where faces do not quite meet, that is the gap between them.
 
     Raises
     ------
@@ -53,9 +53,10 @@ def exact_surface(shape: Part.Shape, deviation_mm: float = DEVIATION_MM) -> Patc
         tolerance.
     """
     sheets, vertices, triangles, sheet_of_triangle, uv_of_corner = [], [], [], [], []
-    count = 0
+    count, error_mm = 0, 0.0
     for _, face, points, corners in meshed_faces(shape, deviation_mm):
         patches = face_patches(face)
+        error_mm = max(error_mm, patches.error_mm)
         sheet, to_sheet = _sheet(face, patches)
         near = _corner_parameters(face, points, corners)
         flat = points[corners.ravel()]
@@ -78,6 +79,7 @@ def exact_surface(shape: Part.Shape, deviation_mm: float = DEVIATION_MM) -> Patc
             np.concatenate(sheet_of_triangle)[kept],
             np.concatenate(uv_of_corner)[kept],
             ROUNDING_MM + 2.0 * shape.getTolerance(1),
+            error_mm,
         )
     except InputError as error:
         raise GlassWorkbenchError(

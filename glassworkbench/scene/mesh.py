@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,6 +21,9 @@ class Mesh:
         Counter-clockwise seen from outside; the mesh is closed (each edge belongs to two triangles).
     normals : array (n, 3), optional
         Unit outward normals; area-weighted averages of the triangles' where not given.
+    has_averaged_normals : bool
+        Whether the normals are but averages of the triangles', not those of the surface that the mesh stands for; so
+        where they are not given.
 
     Raises
     ------
@@ -31,6 +34,7 @@ class Mesh:
     vertices_mm: np.ndarray
     triangles: np.ndarray
     normals: np.ndarray | None = None
+    has_averaged_normals: bool = False
 
     def __post_init__(self) -> None:
         vertices = finite_array(self.vertices_mm, (None, 3), "vertices_mm")
@@ -43,6 +47,7 @@ class Mesh:
         triangles.setflags(write=False)
         if self.normals is None:
             normals = _vertex_normals(vertices, triangles)
+            object.__setattr__(self, "has_averaged_normals", True)
         else:
             normals = finite_array(self.normals, (len(vertices), 3), "normals")
         object.__setattr__(self, "vertices_mm", vertices)
@@ -56,7 +61,7 @@ class Mesh:
 
     def placed(self, turn: np.ndarray, shift_mm: np.ndarray) -> Mesh:
         """Return the mesh turned by a rotation (3, 3) about the origin, then moved."""
-        return Mesh(shift_mm + self.vertices_mm @ turn.T, self.triangles, self.normals @ turn.T)
+        return replace(self, vertices_mm=shift_mm + self.vertices_mm @ turn.T, normals=self.normals @ turn.T)
 
 
 def _check_closed(vertices: np.ndarray, triangles: np.ndarray) -> None:

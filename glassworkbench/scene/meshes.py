@@ -28,7 +28,7 @@ def read_mesh(path: str | Path) -> Mesh:
     vertices, triangles, normals = read_triangles(path)
     try:
         if normals is None:
-            vertices, triangles, normals = with_creased_normals(vertices, triangles)
+            return Mesh(*with_creased_normals(vertices, triangles), has_averaged_normals=True)
         return Mesh(vertices, triangles, normals)
     except (InputError, ValueError) as error:
         raise InputError(f"{path}: {error}") from error

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
 
 from glassworkbench.errors import InputError
 from glassworkbench.scene.mesh import Mesh
-from glassworkbench.scene.validate import finite_array, positive
+from glassworkbench.scene.validate import finite, finite_array, positive
 
 HIGHEST_DEGREE = 25
 """Of a sheet's patches in either direction: OCC makes none higher, and the native core has room for no more."""
@@ -123,6 +123,8 @@ class Patches:
         gives the point will do; the middle of the triangle's other two is best.
     deviation_mm : float
         Farthest that a vertex may lie from its point on the sheet.
+    surface_error_mm : float
+        Farthest that the sheets may lie from the surface they stand for; 0 where they are that surface.
 
     Raises
     ------
@@ -135,10 +137,14 @@ class Patches:
     sheet_of_triangle: np.ndarray
     uv_of_corner: np.ndarray
     deviation_mm: float = 1e-4
+    surface_error_mm: float = 0.0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "sheets", tuple(self.sheets))
         object.__setattr__(self, "deviation_mm", positive(self.deviation_mm, "deviation_mm"))
+        object.__setattr__(self, "surface_error_mm", finite(self.surface_error_mm, "surface_error_mm"))
+        if self.surface_error_mm < 0.0:
+            raise InputError(f"surface_error_mm: must not be negative, got {self.surface_error_mm:g}")
         count = len(self.mesh.triangles)
         sheet = np.array(self.sheet_of_triangle, dtype=np.int32)
         if sheet.shape != (count,):
@@ -170,7 +176,7 @@ class Patches:
         """Return the body turned by a rotation (3, 3) about the origin, then moved."""
         sheets = [sheet.placed(turn, shift_mm) for sheet in self.sheets]
         mesh = self.mesh.placed(turn, shift_mm)
-        return Patches(sheets, mesh, self.sheet_of_triangle, self.uv_of_corner, self.deviation_mm)
+        return replace(self, sheets=sheets, mesh=mesh)
 
     def evaluate(self, sheet: np.ndarray, uv: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return points (k, 3) in mm on sheets (k,) at parameters (k, 2), and their derivatives by u and v."""

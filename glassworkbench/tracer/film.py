@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 
@@ -39,6 +41,24 @@ class Film:
     def error(self) -> np.ndarray:
         """The certificate (pixels,)."""
         return self.sampling + self.pruned
+
+    def to_arrays(self) -> dict[str, np.ndarray]:
+        """Return its arrays by name, not copied."""
+        names = ("radiance", "sampling", "pruned", "depth_mm", "totals")
+        return {name: getattr(self, name) for name in names}
+
+    def fill(self, arrays: Mapping[str, np.ndarray]) -> None:
+        """Take over arrays of the same shapes, as `to_arrays` gave them.
+
+        Raises
+        ------
+        ValueError
+            If a shape differs.
+        """
+        for name, mine in self.to_arrays().items():
+            if arrays[name].shape != mine.shape:
+                raise ValueError(f"{name}: expected shape {mine.shape}, got {arrays[name].shape}")
+            mine[:] = arrays[name]
 
     def mirror(self) -> None:
         """Write the left half of the image into the right one."""

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from glassworkbench.errors import InputError
-from glassworkbench.scene import Mesh, Patches, Revolved, Scene
+from glassworkbench.scene import Scene
 from glassworkbench.scene.validate import finite
 from glassworkbench.settings import unknown_name
+from glassworkbench.tracer.extent import longest_chord_mm
 
 EFFECTS = ("absorption",)
 
@@ -94,24 +95,3 @@ def _absorption(scene: Scene, tolerance: float, wish: bool | None) -> Effect:
         f"{NEGLIGIBLE_SHARE:g} x tolerance"
     )
     return Effect("absorption", on, why)
-
-
-def longest_chord_mm(scene: Scene) -> float:
-    """Return the diagonal of the box around all bodies."""
-    corners = []
-    for body in scene.bodies:
-        surface = body.surface
-        if isinstance(surface, Mesh | Patches):
-            mesh = surface.mesh if isinstance(surface, Patches) else surface
-            corners += [mesh.vertices_mm.min(axis=0), mesh.vertices_mm.max(axis=0)]
-        elif isinstance(surface, Revolved):
-            r, z = surface.meridian[:, :, 0].max(), surface.meridian[:, :, 1]
-            ends = [surface.base_mm + height * surface.axis for height in (z.min(), z.max())]
-            reach = r * np.sqrt(np.maximum(0.0, 1.0 - surface.axis**2))
-            corners += [end + sign * reach for end in ends for sign in (-1.0, 1.0)]
-        else:
-            reach = np.full(3, surface.semi_axes_mm.max())
-            corners += [surface.centre_mm - reach, surface.centre_mm + reach]
-    if not corners:
-        return 0.0
-    return float(np.linalg.norm(np.max(corners, axis=0) - np.min(corners, axis=0)))

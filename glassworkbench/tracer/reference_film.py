@@ -26,8 +26,18 @@ class ReferenceScene:
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
 
-    def radiance(self, origins: np.ndarray, directions: np.ndarray, *, cutoff: float, absorption: bool) -> Radiance:
-        """Trace rays; see `reference.radiance`."""
+    def radiance(
+        self,
+        origins: np.ndarray,
+        directions: np.ndarray,
+        *,
+        cutoff: float,
+        absorption: bool,
+        threads: int,
+        cancel: Cancel,
+    ) -> Radiance:
+        """Trace rays, all at once on one thread; see `reference.radiance`."""
+        cancel.check()
         return reference.radiance(self._traced(absorption), origins, directions, cutoff=cutoff)
 
     def image(
@@ -76,7 +86,7 @@ class ReferenceScene:
     def _seen(self, column: np.ndarray, row: np.ndarray, cutoff: float, absorption: bool) -> Radiance:
         width, height = self._scene.size
         rays = self._scene.camera.rays((2.0 * column - width) / height, 1.0 - 2.0 * row / height)
-        return self.radiance(*rays, cutoff=cutoff, absorption=absorption)
+        return reference.radiance(self._traced(absorption), *rays, cutoff=cutoff)
 
     def _traced(self, absorption: bool) -> Scene:
         if absorption:

@@ -8,7 +8,7 @@ import FreeCAD
 import FreeCADGui
 import numpy as np
 import Part
-from PySide import QtCore
+from PySide import QtCore, QtGui
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from steps import (
@@ -169,6 +169,9 @@ def main_job(facts):
     view.save(FOLDER / "saved.png")
     view.save(FOLDER / "saved.exr")
 
+    facts["ray"] = yield from followed(view)
+    facts["refined"] = yield from refined(view)
+
     document.openTransaction("Thicker")
     container.WallThickness = 4.0
     document.recompute()
@@ -216,6 +219,59 @@ def main_job(facts):
     view.parentWidget().close()
     yield lambda: image_view() is None
     facts["thread_ended_with_window"] = thread.isFinished()
+
+
+def followed(view):
+    """Click at the bottle's shoulder, and tell what shows of the ray."""
+    render = FreeCAD.ActiveDocument.getObject("Render")
+    FreeCADGui.activeDocument().activeView().viewAxonometric()
+    FreeCADGui.SendMsgToActiveView("ViewFit")
+    yield settled()
+    FreeCADGui.activeDocument().activeView().saveImage(str(FOLDER / "no_ray.png"), 600, 800, "White")
+    place = view._canvas.place()
+    click(view._canvas, place.x() + place.width() * 0.44, place.y() + place.height() * 0.6)
+    yield settled()
+    screenshot("ray_window")
+    FreeCADGui.activeDocument().activeView().saveImage(str(FOLDER / "ray.png"), 600, 800, "White")
+    return {"status": child(view, "status").text(), "mode": render.ViewObject.DisplayMode}
+
+
+def refined(view):
+    """Drag over a part of the picture, and tell how its error and that of the rest changed."""
+    before = view.image
+    height, width = before.pixels.shape[:2]
+    place = view._canvas.place()
+    corner = QtCore.QPoint(place.x() + place.width() * 3 // 8, place.y() + place.height() // 2)
+    click(view._canvas, corner.x(), corner.y(), corner.x() + place.width() // 4, corner.y() + place.height() // 8)
+    started = view.running()
+    yield lambda: not view.running()
+    part = view.image.report["parts"][0]["crop"]
+    inside = np.zeros((height, width), dtype=bool)
+    inside[part[1] : part[1] + part[3], part[0] : part[0] + part[2]] = True
+    errors = [float(image.certificate[inside].max()) for image in (before, view.image)]
+    same = bool(np.array_equal(before.pixels[~inside], view.image.pixels[~inside]))
+    return {"started": started, "part": part, "errors": errors, "rest_is_same": same}
+
+
+def click(widget, x, y, to_x=None, to_y=None):
+    """Press and release the left button; where a second place is given, drag to there."""
+    start = QtCore.QPoint(int(x), int(y))
+    end = start if to_x is None else QtCore.QPoint(int(to_x), int(to_y))
+    left, none = QtCore.Qt.LeftButton, QtCore.Qt.NoButton
+    for kind, point, button, buttons in (
+        (QtCore.QEvent.MouseButtonPress, start, left, left),
+        (QtCore.QEvent.MouseMove, end, none, left),
+        (QtCore.QEvent.MouseButtonRelease, end, left, none),
+    ):
+        event = QtGui.QMouseEvent(
+            kind,
+            QtCore.QPointF(point),
+            QtCore.QPointF(widget.mapToGlobal(point)),
+            button,
+            buttons,
+            QtCore.Qt.NoModifier,
+        )
+        QtWidgets.QApplication.sendEvent(widget, event)
 
 
 def described(container):

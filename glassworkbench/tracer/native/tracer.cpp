@@ -71,9 +71,12 @@ std::int32_t share(const glass_scene* scene, const glass_settings* settings, std
         glass::Transport transport(scene->scene, settings_from(*settings));
         for (;;) {
             const std::int64_t first = next.fetch_add(chunk, std::memory_order_relaxed);
-            if (first >= n || cancelled(control)) return;
+            if (first >= n) return;
             const std::int64_t last = std::min(n, first + chunk);
-            for (std::int64_t i = first; i < last; ++i) work(transport, i);
+            for (std::int64_t i = first; i < last; ++i) {
+                if (cancelled(control)) return;
+                work(transport, i);
+            }
             __atomic_fetch_add(&control->done, last - first, __ATOMIC_RELAXED);
         }
     };
