@@ -171,7 +171,7 @@ def _fault(
         return (
             f"99 % of the wall is within {wall.deviation_p99_mm:.3g} mm of what was asked, "
             f"but the tolerance is {tolerance_mm:.3g} mm"
-        )
+        ) + (f", as {candidate.limit}" if candidate.limit else "")
     if wall.thinner_than_asked_max > THINNER_SHARE:
         x, y, z = wall.minimum_at_mm
         angle = np.degrees(np.arctan2(y, x))
