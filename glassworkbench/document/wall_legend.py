@@ -14,8 +14,8 @@ LEFT, BOTTOM, TOP = -0.96, -0.55, 0.45
 BAR_WIDTH, PANEL_WIDTH, MARGIN = 0.03, 0.2, 0.03
 TITLE_HEIGHT = 0.15
 
-NO_WALL_IS, NO_WALL_HEIGHT, LINE_HEIGHT = ("no wall: mouth,", "lip, or stem"), 0.14, 0.045
-"""What grey is, in lines, and the room that it takes below the bar."""
+NO_WALL_IS, NO_WALL_HEIGHT, LINE_HEIGHT = ("no wall", "mouth,", "lip, stem"), 0.19, 0.05
+"""What grey is, in lines, the first beside it, and the room that they take below the bar."""
 
 STEPS = 5
 """Thicknesses that are written beside the bar."""
@@ -45,7 +45,8 @@ def legend_node(low_mm: float, high_mm: float, place: int = 0) -> Any:
     low, high = np.array([left - MARGIN / 2, foot - MARGIN]), np.array([left + PANEL_WIDTH, TOP + TITLE_HEIGHT])
     legend.addChild(_strip(low, high, np.tile(PAPER, (2, 1))))
     legend.addChild(_strip(np.array([left, BOTTOM]), np.array([left + BAR_WIDTH, TOP]), PALETTE))
-    grey = np.array([left, foot]), np.array([left + BAR_WIDTH, foot + 2.0 * LINE_HEIGHT])
+    beside = foot + (len(NO_WALL_IS) - 1) * LINE_HEIGHT
+    grey = np.array([left, beside]), np.array([left + BAR_WIDTH, beside + 0.8 * LINE_HEIGHT])
     legend.addChild(_strip(*grey, np.tile(NO_WALL, (2, 1))))
     ink = coin.SoBaseColor()
     ink.rgb = INK
@@ -57,8 +58,9 @@ def legend_node(low_mm: float, high_mm: float, place: int = 0) -> Any:
     for share in np.linspace(0.0, 1.0, STEPS):
         height = BOTTOM + share * (TOP - BOTTOM)
         legend.addChild(_text(f"{low_mm + share * (high_mm - low_mm):.2f}", left + 1.5 * BAR_WIDTH, height - 0.012))
-    for line, words in enumerate(reversed(NO_WALL_IS)):
-        legend.addChild(_text(words, left + 1.5 * BAR_WIDTH, foot + line * LINE_HEIGHT + 0.01))
+    for line, words in enumerate(NO_WALL_IS):
+        indent = 0.0 if line else 1.5 * BAR_WIDTH
+        legend.addChild(_text(words, left + indent, beside - line * LINE_HEIGHT + 0.01))
     # The view fits itself to the container alone.
     apart = coin.SoType.fromName("SoSkipBoundingGroup")
     group = coin.SoGroup() if apart.isBad() else apart.createInstance()
