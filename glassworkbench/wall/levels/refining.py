@@ -45,14 +45,17 @@ class Facets:
     triangles: np.ndarray
 
 
-def refined(room: Room, facets: Facets, deviation_mm: float, step_mm: float) -> Facets:
-    """Return the triangles with their sides' and their own middles close to the surface, if a few halvings do it."""
+def refined(room: Room, facets: Facets, deviation_mm: float, step_mm: float, left_mm: np.ndarray) -> Facets:
+    """Return the triangles with their sides' and their own middles close to the surface, if a few halvings do it.
+
+    Dents near the places left alone (k, 3) stay: to mend them the triangles would cross there.
+    """
     shortest = SHORTEST_SHARE * step_mm
     given = len(facets.points_mm)
     known = 0
     for _ in range(ROUNDS):
         sides, number = _sides(facets.triangles)
-        new = np.flatnonzero((facets.triangles >= known).any(axis=1))
+        new = np.flatnonzero((facets.triangles >= known).any(axis=1) & ~_near(facets, left_mm, step_mm))
         chosen = np.union1d(
             _too_far(room, facets, sides, deviation_mm, shortest),
             _across_dents(room, facets, number, new, DENTED_SHARE * deviation_mm, shortest),
@@ -61,10 +64,19 @@ def refined(room: Room, facets: Facets, deviation_mm: float, step_mm: float) -> 
             break
         known = len(facets.points_mm)
         facets = _halved(room, facets, sides, number, chosen, deviation_mm)
-    doubtful = (facets.triangles >= given) | facets.creased[facets.triangles]
+    doubtful = ((facets.triangles >= given) | facets.creased[facets.triangles]).any(axis=1)
+    doubtful &= ~_near(facets, left_mm, step_mm)
     for _ in range(EASINGS):
-        facets = _eased(room, facets, np.flatnonzero(doubtful.any(axis=1)), DENTED_SHARE * deviation_mm)
+        facets = _eased(room, facets, np.flatnonzero(doubtful), DENTED_SHARE * deviation_mm)
     return facets
+
+
+def _near(facets: Facets, places_mm: np.ndarray, within_mm: float) -> np.ndarray:
+    """Return which triangles (m,) have a corner near one of the places (k, 3)."""
+    near = np.zeros(len(facets.points_mm), dtype=bool)
+    for place in places_mm:
+        near |= np.linalg.norm(facets.points_mm - place, axis=1) < within_mm
+    return near[facets.triangles].any(axis=1)
 
 
 def folded(room: Room, points_mm: np.ndarray, triangles: np.ndarray) -> np.ndarray:
