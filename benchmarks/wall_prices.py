@@ -10,6 +10,7 @@ import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
+from matplotlib.ticker import NullLocator
 
 ROOT = Path(__file__).resolve().parent.parent
 RESULTS = ROOT / "out" / "bench" / "walls.jsonl"
@@ -35,6 +36,9 @@ def main() -> int:
     axes.text(0.01, 1.1, "accepted below this line", color="grey", transform=axes.get_yaxis_transform(), fontsize=8)
     axes.set(xscale="log", yscale="log", xlabel="seconds of the method, making and measuring (2 cores)")
     axes.set_ylabel("99 % deviation ÷ tolerance")
+    for axis, ticks in ((axes.xaxis, (1, 2, 5, 10, 20, 50)), (axes.yaxis, (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1))):
+        axis.set_ticks(ticks, [f"{tick:g}" for tick in ticks])
+        axis.set_minor_locator(NullLocator())
     axes.grid(True, which="major", alpha=0.3)
     axes.legend(title="method (cases)")
     PICTURE.parent.mkdir(parents=True, exist_ok=True)

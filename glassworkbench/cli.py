@@ -206,6 +206,7 @@ def _prepare_hollow(parser: argparse.ArgumentParser) -> None:
 
 
 def _hollow(options: argparse.Namespace) -> None:
+    started = time.perf_counter()
     output = check_writable(options.output, CONTAINER_ENDINGS)
     outputs = [output]
     if options.map is not None:
@@ -214,25 +215,40 @@ def _hollow(options: argparse.Namespace) -> None:
     _check_positive(options, "scale", "finish_height", "tolerance", "seconds")
     _check_mesh_output(options.mold, output)
     fill = None if options.fill_point is None else _quantity(options.fill_point)
-    container = _hollowed(options)
-    from glassworkbench.wall.asking.shortened import shortened
-    from glassworkbench.wall.container import STL_DEVIATION_MM
-
+    spent: dict[str, float] = {}
+    with _timed(spent, "reading"):
+        mold = _mold(options)
+    with _timed(spent, "hollowing"):
+        container = _hollowed(options, mold)
     report = container.report.to_json() | {"input": _input(options.mold), "version": __version__}
     if fill is not None:
         number, unit = fill
         level = container.room.level_mm(number) if unit == "ml" else number
         report["fill_point"] = container.filled(level).to_json()
-    container.save(output)
+    with _timed(spent, "writing"):
+        container.save(output)
     if options.map is not None:
-        container.save_map(options.map)
-    wall = shortened(container.thickness)
-    told = _told_of_wall(wall, report)
-    if container.solid is not None and container.report.solid.facets_off_mm > 0.0:
-        told += f", flat facets inside up to {container.report.solid.facets_off_mm:.2g} mm off"
-    if output.suffix.lower() == ".stl" and container.solid is not None:
-        told += f", triangles within {STL_DEVIATION_MM:g} mm"
-    _answer(options, report, f"{', '.join(map(str, outputs))}: {told}")
+        with _timed(spent, "map"):
+            container.save_map(options.map)
+    report |= {"seconds": round(time.perf_counter() - started, 3), "seconds_of": spent}
+    _tell_notes(options, container.report.notes)
+    _answer(options, report, f"{', '.join(map(str, outputs))}: {_told_of_wall(container, output, report)}")
+
+
+@contextmanager
+def _timed(spent: dict[str, float], name: str) -> Iterator[None]:
+    """Put down under a name how many seconds the block takes."""
+    begin = time.perf_counter()
+    yield
+    spent[name] = round(time.perf_counter() - begin, 3)
+
+
+def _tell_notes(options: argparse.Namespace, notes: Sequence[str]) -> None:
+    """Tell what the user should know besides the answer, which --json holds anyway."""
+    if options.quiet or options.json:
+        return
+    for note in notes:
+        print("glassworkbench: note:", _in_options(note), file=sys.stderr)
 
 
 def _check_mesh_output(mold: str, output: Path) -> None:
@@ -243,12 +259,13 @@ def _check_mesh_output(mold: str, output: Path) -> None:
         raise InputError(f"{output}: the container of a mesh is a mesh, too; let the name end in .stl")
 
 
-def _hollowed(options: argparse.Namespace) -> object:
+def _hollowed(options: argparse.Namespace, mold: object) -> object:
     """Return the container; where no method makes it, leave a report of what was tried all the same."""
     from glassworkbench.wall import HollowingError
 
+    limits = {"tolerance_mm": options.tolerance, "seconds": options.seconds, "accept_best": options.best}
     try:
-        return _container(options, tolerance_mm=options.tolerance, seconds=options.seconds, accept_best=options.best)
+        return _container(options, mold, **limits)
     except HollowingError as error:
         if options.report is not None:
             tried = [attempt.to_json() for attempt in error.tried]
@@ -264,12 +281,23 @@ def _quantity(text: str) -> tuple[float, str]:
     return float(match[1]), match[2]
 
 
-def _told_of_wall(wall: str, report: Mapping) -> str:
-    deviation, fill = report["wall"]["deviation_p99_mm"], report.get("fill_point")
-    return (
-        f"wall {wall} by {report['method']}, 99 % within {deviation:.2g} mm, "
-        f"{report['weight_g']:.0f} g, {report['brimful_ml']:.0f} ml brimful"
-    ) + (f", {fill['capacity_ml']:.0f} ml up to {fill['level_mm']:.1f} mm" if fill else "")
+def _told_of_wall(container: object, output: Path, report: Mapping) -> str:
+    from glassworkbench.wall.asking.shortened import shortened
+    from glassworkbench.wall.container import STL_DEVIATION_MM
+
+    wall, fill = report["wall"], report.get("fill_point")
+    told = [
+        f"wall {shortened(container.thickness)} by {report['method']}",
+        f"99 % within {wall['deviation_p99_mm']:.2g} mm",
+        f"{report['weight_g']:.0f} g",
+        f"{report['brimful_ml']:.0f} ml brimful",
+    ]
+    if fill:
+        told.append(f"{fill['capacity_ml']:.0f} ml up to {fill['level_mm']:.1f} mm")
+    if output.suffix.lower() == ".stl" and container.solid is not None:
+        told.append(f"triangles within {STL_DEVIATION_MM:g} mm")
+    parts = ", ".join(f"{name} {seconds:.1f}" for name, seconds in report["seconds_of"].items())
+    return f"{', '.join(told)}, {report['seconds']:.1f} s ({parts})"
 
 
 def _add_wall_options(parser: argparse.ArgumentParser, required: bool) -> None:
@@ -304,12 +332,16 @@ def _mold_options(options: argparse.Namespace) -> dict[str, object]:
     }
 
 
-def _container(options: argparse.Namespace, **limits: float | None) -> object:
-    """Return the wall room's container; FreeCAD is imported here and not before, as other verbs run without it."""
+def _mold(options: argparse.Namespace) -> object:
+    """Return the mold; FreeCAD is imported here and not before, as other verbs run without it."""
     from glassworkbench.mold import read_mold
+
+    return read_mold(options.mold, **_mold_options(options))
+
+
+def _container(options: argparse.Namespace, mold: object, **limits: float | None) -> object:
     from glassworkbench.wall import hollow
 
-    mold = read_mold(options.mold, **_mold_options(options))
     return hollow(mold, options.wall, method=options.method or "auto", **limits)
 
 
@@ -436,7 +468,7 @@ def _scene(options: argparse.Namespace) -> Scene:
     fill = parse_fill(options.fill) if options.fill else None
     view = options.station or "studio"
     check_station(view)
-    geometry = _container_as_it_is(options) if options.wall is None else _container(options).geometry()
+    geometry = _container_as_it_is(options) if options.wall is None else _container(options, _mold(options)).geometry()
     scene = station(view, geometry, glass, fill, options.size or (480, 640))
     told = {"mold": Path(options.mold).name, "wall": options.wall or "as it is"}
     return dataclasses.replace(scene, metadata=told | dict(scene.metadata))

@@ -6,11 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from mesh_checks import euler_characteristic
-from meshed_molds import as_mesh, cells_mesh, mesh_mold, uniform
+from meshed_molds import as_mesh, ball_bottomed, cells_mesh, mesh_mold, uniform
 
 from glassworkbench.errors import InputError
 from glassworkbench.mold import read_mold, tessellate
+from glassworkbench.mold.mesh_mold import mold_from_mesh
 from glassworkbench.scene import ContainerGeometry, Ellipsoid, Revolved
+from glassworkbench.wall import HollowingError, hollow
 from glassworkbench.wall.asking.asked import AskedThickness
 from glassworkbench.wall.measuring.outside import outside
 from glassworkbench.wall.measuring.volumes import mesh_volume
@@ -42,6 +44,14 @@ def test_a_bottle_as_mesh_gets_a_revolved_inside_with_the_wall_asked():
     assert wall.distance(below).distance_mm.min() > 0.95 * 3.0
     low, high = mold.mesh.vertices_mm.min(axis=0), mold.mesh.vertices_mm.max(axis=0)
     ContainerGeometry(mold.mesh, candidate.cavity, low, high, wall.finish_height_mm)
+
+
+def test_a_mesh_too_coarse_for_a_round_inside_is_refused_with_its_departure_and_what_to_do():
+    coarse = ball_bottomed(20.0, 50.0, around=12, rows=6)
+    mold = mold_from_mesh(coarse.vertices_mm, coarse.triangles, "coarse", up=(0, 0, 1))
+    told = rf"departs from that by up to {mold.anatomy.departure_mm:.2g} mm.*give a finer mesh or the CAD solid"
+    with pytest.raises(HollowingError, match=told):
+        hollow(mold, 3, method="csg")
 
 
 def test_in_a_box_the_round_inside_is_the_cylinder_that_fits():

@@ -74,6 +74,20 @@ def test_behind_embossing_a_smooth_inside_is_no_deviation_but_a_thin_wall_is():
     assert dented.thinner_than_asked_max > 0.05
 
 
+def test_a_thin_place_between_the_samples_is_found_from_either_side(can):
+    wall = outside(can, uniform(3.0))
+    pin = Part.makeBox(28, 0.2, 0.2, FreeCAD.Vector(0, -0.1, 50))
+    inside = inside_of(cylinder(27, 3, 100), pin)
+    assert measure_wall(inside, wall, samples=50).minimum_mm == pytest.approx(2.0, abs=1e-3)
+    # A notch of the outside comes near to a smooth inside, far from its vertices.
+    notched = cylinder(30, 0, 100).cut(Part.makeBox(2, 0.2, 0.2, FreeCAD.Vector(29, -0.1, 50)))
+    wall = outside(mold_from_shape(notched, "can", up=(0, 0, 1)), uniform(3.0))
+    found = measure_wall(inside_of(cylinder(27, 3, 100)), wall, samples=50)
+    assert found.minimum_mm == pytest.approx(2.0, abs=1e-3)
+    assert found.thinner_than_asked_max == pytest.approx(1.0 / 3.0, abs=1e-3)
+    assert found.minimum_at_mm[2] == pytest.approx(50.1, abs=0.15)
+
+
 @pytest.mark.parametrize(("name", "spec"), [("wine_glass", "2"), ("beer_bottle", "0:5 40:2 230:3")])
 def test_in_space_a_turned_cavity_measures_as_in_its_meridian(name, spec):
     mold = read_mold(EXAMPLES / f"{name}.step")

@@ -1,10 +1,15 @@
 """What of the outside is lost to a wall that is asked elsewhere: against the closed form of a can with a thick base."""
 
+import json
+
 import numpy as np
 import pytest
 from test_outside import outside
 
+from glassworkbench.cli import main
+from glassworkbench.document import make_container
 from glassworkbench.errors import InputError
+from glassworkbench.freecad import FreeCAD, Part
 from glassworkbench.wall.measuring.swallowed import note_on_swallowed, swallowed
 
 
@@ -33,3 +38,31 @@ def test_a_wall_that_swallows_much_is_refused_and_the_most_that_fits_is_told():
     (note,) = note_on_swallowed(thick_base(12.0), 0.0)
     assert "12 mm" in note
     assert note_on_swallowed(thick_base(3.0), 0.0) == ()
+
+
+def test_the_command_line_prints_the_note_and_where_the_time_went(tmp_path, capsys):
+    path, report = tmp_path / "can.brep", tmp_path / "report.json"
+    Part.makeCylinder(30, 100).exportBrep(str(path))
+    (tmp_path / "wall.csv").write_text("height_mm,thickness_mm\n0,12\n1,12\n3,2\n100,2\n")
+    words = ["hollow", str(path), "--wall", f"@{tmp_path / 'wall.csv'}", "-o", str(tmp_path / "c.brep")]
+    assert main([*words, "--report", str(report)]) == 0
+    out, err = capsys.readouterr()
+    assert "glassworkbench: note: 12 mm asked at height" in err
+    told = json.loads(report.read_text())
+    assert set(told["seconds_of"]) == {"reading", "hollowing", "writing"}
+    assert told["seconds"] >= sum(told["seconds_of"].values())
+    assert f"{told['seconds']:.1f} s (reading {told['seconds_of']['reading']:.1f}, hollowing " in out
+    assert main([*words, "--quiet"]) == 0
+    assert capsys.readouterr() == ("", "")
+
+
+def test_the_container_of_a_document_keeps_the_note():
+    document = FreeCAD.newDocument("Swallowed")
+    try:
+        can = document.addObject("Part::Cylinder", "Can")
+        can.Radius, can.Height = 30, 100
+        document.recompute()
+        (note,) = make_container(can, "0:12 1:12 3:2 100:2").Notes
+        assert note.startswith("12 mm asked at height")
+    finally:
+        FreeCAD.closeDocument(document.Name)

@@ -51,6 +51,7 @@ PROPERTIES = (
     Property("App::PropertyFloat", "TimeLimit", "Wall", "Seconds after which hollowing gives up", 0, 120.0),
     Property("App::PropertyEnumeration", "Glass", "Glass", "What the container is made of", OUTPUT),
     Property("App::PropertyString", "Fault", "Result", "Why the shape is not up to date; empty if it is", RESULT),
+    Property("App::PropertyStringList", "Notes", "Result", "What you should know about the wall besides", RESULT),
     Property("App::PropertyString", "MethodUsed", "Result", "The method that made the cavity", RESULT),
     Property("App::PropertyFloat", "WeightGrams", "Result", "Weight of the empty container in g", RESULT),
     Property("App::PropertyVolume", "BrimfulCapacity", "Result", "What it holds, filled to the brim", RESULT),
@@ -204,6 +205,9 @@ class ContainerFeature:
             return
         obj.Shape = self._made.container.solid
         obj.Fault = ""
+        obj.Notes = list(self._made.container.report.notes)
+        for note in obj.Notes:
+            FreeCAD.Console.PrintWarning(f"{obj.Label}: {note}\n")
         report = self._made.container.report.to_json()
         wall = report["wall"]
         obj.MethodUsed = report["method"]

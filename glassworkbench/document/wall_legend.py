@@ -6,13 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from glassworkbench.document.wall_view import PALETTE
+from glassworkbench.document.wall_view import NO_WALL, PALETTE
 
 LEFT, BOTTOM, TOP = -0.96, -0.55, 0.45
 """Where the bar stands; the view reaches from -1 to 1 both ways."""
 
 BAR_WIDTH, PANEL_WIDTH, MARGIN = 0.03, 0.2, 0.03
 TITLE_HEIGHT = 0.15
+
+NO_WALL_IS, NO_WALL_HEIGHT, LINE_HEIGHT = ("no wall", "mouth,", "lip, stem"), 0.19, 0.05
+"""What grey is, in lines, the first beside it, and the room that they take below the bar."""
 
 STEPS = 5
 """Thicknesses that are written beside the bar."""
@@ -38,9 +41,13 @@ def legend_node(low_mm: float, high_mm: float, place: int = 0) -> Any:
     legend.renderCaching = coin.SoSeparator.OFF
     for node in _on_the_screen():
         legend.addChild(node)
-    low, high = np.array([left - MARGIN / 2, BOTTOM - MARGIN]), np.array([left + PANEL_WIDTH, TOP + TITLE_HEIGHT])
+    foot = BOTTOM - NO_WALL_HEIGHT
+    low, high = np.array([left - MARGIN / 2, foot - MARGIN]), np.array([left + PANEL_WIDTH, TOP + TITLE_HEIGHT])
     legend.addChild(_strip(low, high, np.tile(PAPER, (2, 1))))
     legend.addChild(_strip(np.array([left, BOTTOM]), np.array([left + BAR_WIDTH, TOP]), PALETTE))
+    beside = foot + (len(NO_WALL_IS) - 1) * LINE_HEIGHT
+    grey = np.array([left, beside]), np.array([left + BAR_WIDTH, beside + 0.8 * LINE_HEIGHT])
+    legend.addChild(_strip(*grey, np.tile(NO_WALL, (2, 1))))
     ink = coin.SoBaseColor()
     ink.rgb = INK
     font = coin.SoFont()
@@ -51,6 +58,9 @@ def legend_node(low_mm: float, high_mm: float, place: int = 0) -> Any:
     for share in np.linspace(0.0, 1.0, STEPS):
         height = BOTTOM + share * (TOP - BOTTOM)
         legend.addChild(_text(f"{low_mm + share * (high_mm - low_mm):.2f}", left + 1.5 * BAR_WIDTH, height - 0.012))
+    for line, words in enumerate(NO_WALL_IS):
+        indent = 0.0 if line else 1.5 * BAR_WIDTH
+        legend.addChild(_text(words, left + indent, beside - line * LINE_HEIGHT + 0.01))
     # The view fits itself to the container alone.
     apart = coin.SoType.fromName("SoSkipBoundingGroup")
     group = coin.SoGroup() if apart.isBad() else apart.createInstance()

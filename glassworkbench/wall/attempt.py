@@ -18,7 +18,7 @@ from glassworkbench.wall.asking.thickness import Thickness
 from glassworkbench.wall.candidate import Candidate, HopelessError, Method
 from glassworkbench.wall.container import SolidFacts
 from glassworkbench.wall.measuring.measure import WallMeasure, in_finish_plane, measure_wall
-from glassworkbench.wall.measuring.outside import DEVIATION_MM, is_mouth, outside_of_mesh
+from glassworkbench.wall.measuring.outside import DEVIATION_MM, is_mouth, outside_as_meshed
 from glassworkbench.wall.measuring.surface import surface_area
 from glassworkbench.wall.measuring.swallowed import note_on_swallowed
 from glassworkbench.wall.measuring.volumes import Volume, mesh_volume, revolved_volume
@@ -62,6 +62,9 @@ class Attempted:
     Parameters
     ----------
     candidate : Candidate
+    outer : Mesh
+    outer_faces : int array (m,)
+        The outside and its triangles' faces, as `outside_mesh` gives them: what the wall was measured from.
     wall : WallMeasure
     solid : SolidFacts
     capacity, glass : Volume
@@ -73,6 +76,8 @@ class Attempted:
     """
 
     candidate: Candidate
+    outer: Mesh
+    outer_faces: np.ndarray
     wall: WallMeasure
     solid: SolidFacts
     capacity: Volume
@@ -98,8 +103,7 @@ def attempt(mold: Mold, thickness: Thickness, method: str, tolerance_mm: float, 
     asked = thickness.on(mold)
     outer, faces = outside_mesh(mold, min(DEVIATION_MM, DEVIATION_SHARE * asked.minimum_mm))
     _check_simple(mold, outer)
-    mouth = is_mouth(mold, faces)
-    wall = outside_of_mesh(outer, np.maximum(faces, 0), mouth, mold.anatomy.finish_height_mm, asked.at)
+    wall = outside_as_meshed(mold, outer, faces, asked.at)
     told = note_on_swallowed(wall, mold.anatomy.stem_top_mm)
     candidate = MAKERS[method](mold, asked, wall, MAKING_SHARE * (seconds - (time.monotonic() - begin)))
     candidate = replace(candidate, notes=(*candidate.notes, *told))
@@ -109,11 +113,13 @@ def attempt(mold: Mold, thickness: Thickness, method: str, tolerance_mm: float, 
     solid = _facts(candidate, outer)
     return Attempted(
         candidate,
+        outer,
+        faces,
         measured,
         solid,
         capacity,
         glass,
-        surface_area(outer, ~mouth),
+        surface_area(outer, ~is_mouth(mold, faces)),
         surface_area(candidate.inside, ~in_finish_plane(candidate.inside)),
         _fault(candidate, measured, solid, capacity, glass, tolerance_mm),
     )
@@ -165,7 +171,7 @@ def _fault(
         return (
             f"99 % of the wall is within {wall.deviation_p99_mm:.3g} mm of what was asked, "
             f"but the tolerance is {tolerance_mm:.3g} mm"
-        )
+        ) + (f", as {candidate.limit}" if candidate.limit else "")
     if wall.thinner_than_asked_max > THINNER_SHARE:
         x, y, z = wall.minimum_at_mm
         angle = np.degrees(np.arctan2(y, x))

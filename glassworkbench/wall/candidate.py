@@ -35,6 +35,8 @@ class Candidate:
         What the method tried on the way, and how that ended, one line each.
     facets_off_mm : float
         How far flat facets of the solid's inside may be off `inside`, which is smooth; 0 where it has none.
+    limit : str
+        Why the method comes no nearer to the wall asked, and what helps; empty where it has no such limit.
     """
 
     solid: Part.Shape | None
@@ -44,6 +46,7 @@ class Candidate:
     meridian: np.ndarray | None = None
     details: tuple[str, ...] = ()
     facets_off_mm: float = 0.0
+    limit: str = ""
 
 
 class Method(Protocol):

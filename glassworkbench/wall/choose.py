@@ -216,7 +216,17 @@ def _container(
             *([f"not as asked: {attempted.fault}"] if attempted.fault else []),
         ),
     )
-    return Container(mold, thickness, method, solid, candidate.cavity, candidate.inside, report)
+    return Container(
+        mold,
+        thickness,
+        method,
+        solid,
+        candidate.cavity,
+        candidate.inside,
+        attempted.outer,
+        attempted.outer_faces,
+        report,
+    )
 
 
 def _in_cad(mold: Mold, point_mm: np.ndarray) -> np.ndarray:

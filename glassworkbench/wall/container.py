@@ -11,7 +11,7 @@ import numpy as np
 from glassworkbench.errors import GlassWorkbenchError
 from glassworkbench.freecad import Part
 from glassworkbench.mold import Mold, outer_meridian
-from glassworkbench.mold.tessellation import outside_mesh, tessellate
+from glassworkbench.mold.tessellation import tessellate
 from glassworkbench.output import check_writable, written_aside
 from glassworkbench.scene import ContainerGeometry, Mesh, Revolved, Surface
 from glassworkbench.wall.asking.shortened import shortened
@@ -20,7 +20,7 @@ from glassworkbench.wall.glass_mesh import glass_mesh, write_stl
 from glassworkbench.wall.measuring.contents import LIQUID_G_PER_CM3, Cavity, FillPoint, centre_of_gravity
 from glassworkbench.wall.measuring.map_picture import save_picture
 from glassworkbench.wall.measuring.measure import WallMeasure
-from glassworkbench.wall.measuring.outside import DEVIATION_MM, Outside, is_mouth, outside
+from glassworkbench.wall.measuring.outside import Outside, is_mouth, outside_as_meshed
 from glassworkbench.wall.measuring.volumes import Volume
 from glassworkbench.wall.measuring.wall_map import WallMap, wall_map
 from glassworkbench.wall.seen import seen_surface
@@ -172,6 +172,9 @@ class Container:
         What is taken away from the outside, upright, reaching past the mouth.
     inside : Mesh
         The cavity, upright, closed level at the finish plane.
+    outer : Mesh
+    outer_faces : int array (m,)
+        The mold's outside as it was measured from, and its triangles' faces, as `outside_mesh` gives them.
     report : WallReport
     """
 
@@ -181,12 +184,14 @@ class Container:
     solid: Part.Shape | None
     cavity: Surface | Part.Shape
     inside: Mesh
+    outer: Mesh
+    outer_faces: np.ndarray
     report: WallReport
 
     @cached_property
     def wall(self) -> Outside:
         """The mold's outside, with the thickness asked on it."""
-        return outside(self.mold, self.thickness.on(self.mold).at)
+        return outside_as_meshed(self.mold, self.outer, self.outer_faces, self.thickness.on(self.mold).at)
 
     def geometry(self) -> ContainerGeometry:
         """Return the container as a station takes it: upright, on surfaces that the tracer knows."""
@@ -243,8 +248,7 @@ class Container:
         with written_aside(path) as aside:
             try:
                 if self.solid is None:
-                    outer, faces = outside_mesh(self.mold, DEVIATION_MM)
-                    glass = glass_mesh(outer, is_mouth(self.mold, faces), self.inside)
+                    glass = glass_mesh(self.outer, is_mouth(self.mold, self.outer_faces), self.inside)
                     write_stl(glass, self.mold.placement, aside)
                 elif path.suffix.lower() == ".stl":
                     # OCC's own writer chooses its triangles itself, millions of them, and writes them as text.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from glassworkbench.mold.self_intersection import self_intersections
 from glassworkbench.scene import Mesh
 from glassworkbench.wall.levels.creases import crease_points, in_own_cell, near_creases, normals_on_sides
 from glassworkbench.wall.levels.dual_surface import DualSurface, dual_surface, mean_at
@@ -19,6 +20,9 @@ STRAYED = 0.5
 
 ROUNDING_MM = 1e-4
 """Vertices nearer than this to the finish plane are in it."""
+
+ATTEMPTS = 3
+"""How often a mesh is refined anew that crosses itself, with the places left alone where it does."""
 
 CREASE_SHARE = 0.01
 """A vertex on a crease may be this share of a step off the surface; else it is not put there."""
@@ -66,13 +70,22 @@ def level_mesh(room: Room, grid: Grid, inside: np.ndarray, deviation_mm: float) 
             break
         snapped[back], creased[back] = points[back], False
         triangles = _triangles(room, dual, snapped, creased)
-    facets = refined(room, Facets(snapped, gradients, creased, triangles), deviation_mm, grid.step_mm)
+    facets = Facets(snapped, gradients, creased, triangles)
+    left = np.zeros((0, 3))
+    for _ in range(ATTEMPTS):
+        mesh = _mesh(room, refined(room, facets, deviation_mm, grid.step_mm, left))
+        crossing = self_intersections(mesh)
+        if len(crossing) == 0:
+            break
+        left = np.unique(np.concatenate([left, crossing]).round(1), axis=0)
+    return mesh
+
+
+def _mesh(room: Room, facets: Facets) -> Mesh:
     # Rounding must not part the lid from the finish plane.
-    lid = np.abs(facets.points_mm[:, 2] - room.ceiling_mm) < ROUNDING_MM
-    facets.points_mm[lid, 2] = room.ceiling_mm
-    vertices, normals, triangles = normals_on_sides(
-        room, facets.points_mm, -facets.gradients, facets.triangles, facets.creased
-    )
+    points = facets.points_mm.copy()
+    points[np.abs(points[:, 2] - room.ceiling_mm) < ROUNDING_MM, 2] = room.ceiling_mm
+    vertices, normals, triangles = normals_on_sides(room, points, -facets.gradients, facets.triangles, facets.creased)
     return Mesh(vertices, triangles, normals)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,11 +11,17 @@ from glassworkbench.wall.levels.room import Room
 
 ROUNDS = 4
 
+EASINGS = 3
+"""How often what still dents the glass is moved out of it."""
+
 NEAR_SHARE = 0.3
 """A middle may be moved along a crease by this share of its side; more would fold its triangles."""
 
 FOLDED = 0.2
 """A triangle whose normal has a smaller product with the surface's is folded over."""
+
+DENTED_SHARE = 1.5
+"""The middle of a triangle may be off by this much more than those of its sides: over a sphere it is by a third."""
 
 SHORTEST_SHARE = 0.15
 """Sides shorter than this share of the grid's step are not halved: creases less sharp than that are left blunt."""
@@ -39,15 +45,38 @@ class Facets:
     triangles: np.ndarray
 
 
-def refined(room: Room, facets: Facets, deviation_mm: float, step_mm: float) -> Facets:
-    """Return the triangles with every side's middle within a distance of the surface, if a few halvings do it."""
+def refined(room: Room, facets: Facets, deviation_mm: float, step_mm: float, left_mm: np.ndarray) -> Facets:
+    """Return the triangles with their sides' and their own middles close to the surface, if a few halvings do it.
+
+    Dents near the places left alone (k, 3) stay: to mend them the triangles would cross there.
+    """
+    shortest = SHORTEST_SHARE * step_mm
+    given = len(facets.points_mm)
+    known = 0
     for _ in range(ROUNDS):
         sides, number = _sides(facets.triangles)
-        chosen = _too_far(room, facets, sides, deviation_mm, SHORTEST_SHARE * step_mm)
+        new = np.flatnonzero((facets.triangles >= known).any(axis=1) & ~_near(facets, left_mm, step_mm))
+        chosen = np.union1d(
+            _too_far(room, facets, sides, deviation_mm, shortest),
+            _across_dents(room, facets, number, new, DENTED_SHARE * deviation_mm, shortest),
+        )
         if len(chosen) == 0:
             break
+        known = len(facets.points_mm)
         facets = _halved(room, facets, sides, number, chosen, deviation_mm)
+    doubtful = ((facets.triangles >= given) | facets.creased[facets.triangles]).any(axis=1)
+    doubtful &= ~_near(facets, left_mm, step_mm)
+    for _ in range(EASINGS):
+        facets = _eased(room, facets, np.flatnonzero(doubtful), DENTED_SHARE * deviation_mm)
     return facets
+
+
+def _near(facets: Facets, places_mm: np.ndarray, within_mm: float) -> np.ndarray:
+    """Return which triangles (m,) have a corner near one of the places (k, 3)."""
+    near = np.zeros(len(facets.points_mm), dtype=bool)
+    for place in places_mm:
+        near |= np.linalg.norm(facets.points_mm - place, axis=1) < within_mm
+    return near[facets.triangles].any(axis=1)
 
 
 def folded(room: Room, points_mm: np.ndarray, triangles: np.ndarray) -> np.ndarray:
@@ -75,6 +104,21 @@ def _too_far(room: Room, facets: Facets, sides: np.ndarray, deviation_mm: float,
     suspect = (rise > 4.0 * deviation_mm) | creased.any(axis=1)
     chosen = np.flatnonzero(suspect & (np.linalg.norm(along, axis=1) > shortest_mm))
     return chosen[np.abs(room.value(points[chosen].mean(axis=1))) > deviation_mm]
+
+
+def _across_dents(
+    room: Room, facets: Facets, number: np.ndarray, looked_at: np.ndarray, deviation_mm: float, shortest_mm: float
+) -> np.ndarray:
+    """Return the longest sides of those of the triangles looked at (k,) whose middles are too far off.
+
+    What stands out from the outside, like the end of a thread, can dent a triangle between sides that are good.
+    """
+    corners = facets.points_mm[facets.triangles[looked_at]]
+    lengths = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
+    long = lengths.max(axis=1) > shortest_mm
+    corners, looked_at, longest = corners[long], looked_at[long], lengths[long].argmax(axis=1)
+    dented = room.value(corners.mean(axis=1)) < -deviation_mm
+    return np.unique(number[looked_at, longest][dented])
 
 
 def _halved(
@@ -111,6 +155,28 @@ def _halved(
         np.concatenate([facets.creased, choice == 0]),
         triangles,
     )
+
+
+def _eased(room: Room, facets: Facets, doubtful: np.ndarray, deviation_mm: float) -> Facets:
+    """Return the triangles without dents of the glass in the doubtful ones (k,): too thick is better than too thin.
+
+    Where the surface is too sharp for its triangles, their corners are moved off it, unless that would fold one.
+    """
+    points, triangles = facets.points_mm, facets.triangles
+    corners = np.unique(triangles[doubtful])
+    value, gradients = room.value_and_gradient(
+        np.concatenate([points[triangles[doubtful]].mean(axis=1), points[corners]])
+    )
+    # What each place asks of which points: a triangle's middle of its three corners, a corner of itself.
+    moved = np.concatenate([triangles[doubtful], np.repeat(corners[:, None], 3, axis=1)])
+    deep = value < -deviation_mm
+    moved, moves = moved[deep].ravel(), np.repeat((-value[:, None] * gradients)[deep], 3, axis=0)
+    eased = points.copy()
+    np.add.at(eased, moved, moves / np.bincount(moved, minlength=len(points))[moved, None])
+    near = triangles[np.isin(triangles, moved).any(axis=1)]
+    back = np.unique(near[folded(room, eased, near) & ~folded(room, points, near)])
+    eased[back] = points[back]
+    return replace(facets, points_mm=eased)
 
 
 def _cut(facets: Facets, owner: np.ndarray, count: int, middles: np.ndarray) -> np.ndarray:

@@ -8,6 +8,7 @@ import numpy as np
 
 from glassworkbench.errors import GlassWorkbenchError
 from glassworkbench.scene import Mesh
+from glassworkbench.spatial import NearestTriangles
 from glassworkbench.wall.measuring.outside import LIP_ZONE_MM, Outside
 from glassworkbench.wall.measuring.surface import facets, spread
 from glassworkbench.wall.turning.profile import FLOOR_ROUNDING
@@ -31,12 +32,13 @@ class WallMeasure:
     samples : int
         Points measured, spread evenly over the inner surface by area. The lip and a stem are not wall.
     minimum_mm : float
+        The thinnest wall found anywhere: there, at the inside's vertices, and inward from the outside's.
     minimum_at_mm : array (3,)
         The inner point of the thinnest wall, upright.
     deviation_max_mm, deviation_p99_mm, deviation_rms_mm : float
-        Of the distance to an outer point, from the thickness asked there.
+        Of the distance to an outer point, from the thickness asked there; the largest anywhere, as the minimum.
     thinner_than_asked_max : float
-        By which share of the thickness asked the wall is thinner where that is worst; 0 if it is nowhere.
+        By which share of the thickness asked the wall is thinner where that is worst, anywhere; 0 if it is nowhere.
     """
 
     samples: int
@@ -102,19 +104,43 @@ def measure_wall(inside: Mesh, wall: Outside, *, stem_top_mm: float = 0.0, sampl
     below_lip = found.below_lip(wall)
     if not np.any(below_lip):
         raise GlassWorkbenchError("the cavity does not reach below the lip; ask for a thinner wall")
-    points, distance = found.points_mm[below_lip], found.distance_mm[below_lip]
-    deviation, asked = found.deviation_mm[below_lip], found.asked_mm[below_lip]
+    thin = wall_at(_thin_places(inside, wall), wall, stem_top_mm=stem_top_mm)
+    thin_below_lip = thin.below_lip(wall)
+    points, distance, deviation, asked = (
+        np.concatenate([of_samples[below_lip], of_thin[thin_below_lip]])
+        for of_samples, of_thin in (
+            (found.points_mm, thin.points_mm),
+            (found.distance_mm, thin.distance_mm),
+            (found.deviation_mm, thin.deviation_mm),
+            (found.asked_mm, thin.asked_mm),
+        )
+    )
     thinnest = int(np.argmin(distance))
-    size = np.abs(deviation)
+    size = np.abs(found.deviation_mm[below_lip])
     return WallMeasure(
-        samples=len(points),
+        samples=len(size),
         minimum_mm=float(distance[thinnest]),
         minimum_at_mm=points[thinnest],
-        deviation_max_mm=float(size.max()),
+        deviation_max_mm=float(np.abs(deviation).max()),
         deviation_p99_mm=float(np.percentile(size, 99.0)),
         deviation_rms_mm=float(np.sqrt(np.mean(size**2))),
         thinner_than_asked_max=float(max(0.0, np.max(-deviation / asked))),
     )
+
+
+def _thin_places(inside: Mesh, wall: Outside) -> np.ndarray:
+    """Return the points (n, 3) of the inside where samples may have missed that the wall is thinner than asked.
+
+    They are the vertices that lie in the glass that was asked for, and what is nearest to the corners of the outside
+    that have less than they ask, or least of all: a sharp edge comes nearest to a smooth inside, and the other way.
+    """
+    vertices = inside.vertices_mm[np.unique(inside.triangles[~in_finish_plane(inside)])]
+    vertices = vertices[wall.clearance(vertices).clearance_mm < 0.0]
+    outer, first = np.unique(wall.corners_mm[~wall.collar].reshape(-1, 3), axis=0, return_index=True)
+    into = NearestTriangles(inside.vertices_mm[inside.triangles], inside.normals[inside.triangles]).search(outer)
+    lacking = into.distance_mm < wall.thickness_mm[~wall.collar].ravel()[first]
+    lacking[np.argmin(into.distance_mm)] = True
+    return np.concatenate([vertices, into.feet_mm[lacking]])
 
 
 def points_on_wall(inside: Mesh, count: int) -> np.ndarray:

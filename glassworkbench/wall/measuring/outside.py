@@ -131,7 +131,11 @@ def outside(mold: Mold, thickness_at: ThicknessAt, deviation_mm: float = DEVIATI
     deviation_mm : float
         Largest distance of the triangles, before their bulge, from the CAD faces.
     """
-    mesh, faces = outside_mesh(mold, deviation_mm)
+    return outside_as_meshed(mold, *outside_mesh(mold, deviation_mm), thickness_at)
+
+
+def outside_as_meshed(mold: Mold, mesh: Mesh, faces: np.ndarray, thickness_at: ThicknessAt) -> Outside:
+    """Return the outside of a mold from the mesh and its faces (m,) that `outside_mesh` gave."""
     mouth = is_mouth(mold, faces)
     return outside_of_mesh(mesh, np.maximum(faces, 0), mouth, mold.anatomy.finish_height_mm, thickness_at)
 

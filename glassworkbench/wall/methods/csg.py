@@ -49,8 +49,21 @@ def csg(mold: Mold, asked: AskedThickness, wall: Outside, seconds: float) -> Can
     inside = turned_mesh(np.concatenate([chain, lid[None]]), (*runs, (len(chain), len(chain) + 1)), DEVIATION_MM)
     top = height + PAST_MOUTH_MM
     above = [line(end, np.array([end[0], top])), line(np.array([end[0], top]), np.array([0.0, top]))]
-    notes = (NOT_SAVED,) if anatomy.is_revolved else (_told_thicker(wall, inside), NOT_SAVED)
-    return Candidate(None, Revolved(np.concatenate([chain, above])), inside, notes)
+    cavity = Revolved(np.concatenate([chain, above]))
+    if anatomy.is_revolved:
+        return Candidate(None, cavity, inside, (NOT_SAVED,))
+    return Candidate(None, cavity, inside, (_told_thicker(wall, inside), NOT_SAVED), limit=_told_limit(mold))
+
+
+def _told_limit(mold: Mold) -> str:
+    """Return how far the outside is from round, which a round inside cannot follow, and what to do."""
+    anatomy = mold.anatomy
+    source = "give a finer mesh or the CAD solid" if mold.mesh is not None else "give a round mold"
+    return (
+        f"its inside is round and the outside departs from that by up to {anatomy.departure_mm:.2g} mm, "
+        f"most at height {anatomy.departure_at_mm[2]:.1f} mm ({source}, or take the method auto, whose inside follows "
+        "the outside)"
+    )
 
 
 def _told_thicker(wall: Outside, inside: Mesh) -> str:

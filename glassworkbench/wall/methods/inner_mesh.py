@@ -25,6 +25,7 @@ from glassworkbench.wall.levels.lids import PAST_MOUTH_MM, lifted
 from glassworkbench.wall.levels.narrow import no_room
 from glassworkbench.wall.levels.room import Room
 from glassworkbench.wall.measuring.outside import Outside
+from glassworkbench.wall.measuring.surface import facets
 from glassworkbench.wall.worker import run_in_worker
 
 TOLERANCE_SHARE, TOLERANCE_MM = 0.01, 0.01
@@ -36,15 +37,21 @@ TRIANGLES = 90_000
 COARSEST_SHARE = 0.9
 """The grid's step, as a share of the thinnest wall, at most: no cell may reach from one side of a wall to the other."""
 
-SEARCHES = 26.0
+SEARCHES = 38.0
 """Searches for nearest points that one square step of the outside takes in all."""
 
 TIME_SHARE = 0.4
 """The share of the time given that a grid finer than the coarsest is planned for: the machine may have other work, and
 numbers are to be juggled between the searches."""
 
-PILOT, PILOTS = 500, 3
-"""Points that the time of a search is taken from, and how often: the quickest counts, for caches have to be filled."""
+SURE_SHARE = 0.5
+"""The searches have been seen to take this share of what the pilot makes of them: with less time it is not tried."""
+
+PILOT, PILOTS = 8000, 2
+"""Points that the time of a search is taken from, and how often: the quickest counts, for caches have to be filled.
+
+They lie on the wanted surface and near each other, as those of the grid do: elsewhere a search takes several times as
+long, and a wall would be refused for want of time that there is."""
 
 
 def inner_mesh(mold: Mold, asked: AskedThickness, wall: Outside, seconds: float) -> Candidate:
@@ -149,18 +156,17 @@ def _box(wall: Outside, asked: AskedThickness, step_mm: float) -> tuple[np.ndarr
 
 
 def _step(wall: Outside, asked: AskedThickness, seconds: float) -> float:
-    corners = wall.corners_mm[~wall.collar]
-    area = 0.5 * float(
-        np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum()
-    )
+    glass = np.flatnonzero(~wall.collar)
+    area = float(np.linalg.norm(facets(wall.corners_mm[glass]), axis=1).sum())
     wanted = min(np.sqrt(3.0 * area / TRIANGLES), COARSEST_SHARE * asked.minimum_mm)
-    feet = corners[np.linspace(0, len(corners) - 1, PILOT).astype(int)].mean(axis=1)
-    inward = feet * np.array([0.9, 0.9, 1.0])
+    chosen = glass[np.linspace(0, len(glass) - 1, PILOT).astype(int)]
+    depth = wall.thickness_mm[chosen].mean(axis=1)[:, None]
+    inward = wall.corners_mm[chosen].mean(axis=1) - depth * wall.normals[chosen].mean(axis=1)
     # The first search also builds the tree.
     wall.clearance(inward[:1])
     searching = SEARCHES * area * min(_pilot(wall, inward) for _ in range(PILOTS))
     coarsest = COARSEST_SHARE * asked.minimum_mm
-    if searching / coarsest**2 > seconds:
+    if SURE_SHARE * searching / coarsest**2 > seconds:
         raise GlassWorkbenchError(
             f"a wall of {asked.minimum_mm:.3g} mm needs a grid that takes about "
             f"{searching / coarsest**2 / TIME_SHARE:.0f} s; give it more time"

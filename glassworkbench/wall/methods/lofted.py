@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -30,8 +30,8 @@ STEPS = 300
 MOST_LINES = 320
 """The grid is not refined beyond this many columns, and as many rows."""
 
-PASSES = 7
-"""How often the grid is refined."""
+FIRST_PASSES, PASSES = 3, 4
+"""How often the grid is refined before it is known whether more of it can lead to a cavity within the outside; then."""
 
 TOLERANCE_SHARE, TOLERANCE_MM = 0.008, 0.008
 """Between its grid points the surface should come within this share of the thinnest wall, or this."""
@@ -84,8 +84,13 @@ def lofted(mold: Mold, asked: AskedThickness, wall: Outside, seconds: float) -> 
     clearance = _blind(wall.clearance, behind)
     grid[1:-1] = _settled(clearance, grid[1:-1])
     grid[-1] = _settled(clearance, grid[-1], level=True)
-    surface = _refined(LoftSurface(*chord_parameters(grid), grid), clearance, asked.minimum_mm, end)
-    _check_whole(wall, surface, anatomy.stem_top_mm)
+    surface = LoftSurface(*chord_parameters(grid), grid)
+    surface = _refined(surface, clearance, asked.minimum_mm, FIRST_PASSES, end)
+    places = _places(wall, anatomy.stem_top_mm)
+    _check_within(surface, places)
+    surface = _refined(surface, clearance, asked.minimum_mm, PASSES, end)
+    _check_within(surface, places)
+    _check_whole(wall, surface, places)
     u, v = _mesh_parameters(surface)
     solid = None if mold.upright is None else _solid(mold, surface, end - time.monotonic())
     # OCC would take minutes for a worse mesh of the same surface.
@@ -159,9 +164,9 @@ def _settled(clearance: Clearance, points: np.ndarray, level: bool = False) -> n
     return moved.reshape(points.shape)
 
 
-def _refined(surface: LoftSurface, clearance: Clearance, thinnest_mm: float, end: float) -> LoftSurface:
+def _refined(surface: LoftSurface, clearance: Clearance, thinnest_mm: float, passes: int, end: float) -> LoftSurface:
     """Return a surface with more columns and rows where it leaves the wanted one between them."""
-    for _ in range(PASSES):
+    for _ in range(passes):
         lines = len(surface.u) + len(surface.v)
         for halve in (_columns_halved, _rows_halved):
             if time.monotonic() < end:
@@ -235,20 +240,42 @@ def _parted(knots: np.ndarray, points: np.ndarray, normals: np.ndarray) -> np.nd
     return np.append(np.concatenate(pieces), knots[-1])
 
 
-def _check_whole(wall: Outside, surface: LoftSurface, stem_top_mm: float) -> None:
-    """Raise where the outside lies in the cavity, or the wanted cavity goes on outside the surface."""
+@dataclass(frozen=True, eq=False)
+class _Places:
+    """Points (n, 3) of the outside, the unit normals (n, 3) and the thickness (n,) asked there."""
+
+    points_mm: np.ndarray
+    normals: np.ndarray
+    thickness_mm: np.ndarray
+
+
+def _places(wall: Outside, stem_top_mm: float) -> _Places:
+    """Return places spread over the outside, without embossing and a stem."""
     glass = ~wall.collar & ~wall.embossed & (wall.corners_mm[:, :, 2].max(axis=1) < wall.finish_height_mm)
     glass &= wall.corners_mm[:, :, 2].min(axis=1) >= stem_top_mm
     numbers = np.flatnonzero(glass)[:: max(1, int(glass.sum()) // OUTER_POINTS)]
-    outer, thickness = wall.corners_mm[numbers].mean(axis=1), wall.thickness_mm[numbers].mean(axis=1)
     normals = wall.normals[numbers].mean(axis=1)
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
-    behind = outer - ((1.0 + OTHER_PART_SHARE) * thickness)[:, None] * normals
-    wanted = wall.clearance(behind).clearance_mm > 0.5 * OTHER_PART_SHARE * thickness
-    wrong = np.concatenate([outer[_within(surface, outer)], behind[wanted & ~_within(surface, behind)]])
-    wrong = wrong[wrong[:, 2] < wall.finish_height_mm]
-    if len(wrong):
-        x, y, z = wrong[0]
+    return _Places(wall.corners_mm[numbers].mean(axis=1), normals, wall.thickness_mm[numbers].mean(axis=1))
+
+
+def _check_within(surface: LoftSurface, places: _Places) -> None:
+    """Raise where the outside lies in the cavity."""
+    _refuse_if_any(places.points_mm[_within(surface, places.points_mm)])
+
+
+def _check_whole(wall: Outside, surface: LoftSurface, places: _Places) -> None:
+    """Raise where the wanted cavity goes on outside the surface."""
+    depth = (1.0 + OTHER_PART_SHARE) * places.thickness_mm
+    behind = places.points_mm - depth[:, None] * places.normals
+    wanted = wall.clearance(behind).clearance_mm > 0.5 * OTHER_PART_SHARE * places.thickness_mm
+    wrong = behind[wanted & ~_within(surface, behind)]
+    _refuse_if_any(wrong[wrong[:, 2] < wall.finish_height_mm])
+
+
+def _refuse_if_any(places_mm: np.ndarray) -> None:
+    if len(places_mm):
+        x, y, z = places_mm[0]
         raise GlassWorkbenchError(
             f"the half-plane at angle {np.degrees(np.arctan2(y, x)) % 360.0:.0f} degrees meets the body in more than "
             f"one curve at height {z:.1f} mm"
