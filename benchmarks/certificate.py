@@ -32,6 +32,9 @@ SIDE, FINE_SIDE = 6, 16
 DISAGREE = 5e-4
 """Standard error of the mean of the four grids above which a pixel gets the finer ones."""
 
+ROUNDING = 1e-6
+"""Of an image's numbers, which are float32."""
+
 GOAL = 0.99
 FOLDER = ROOT / "out" / "bench"
 
@@ -95,11 +98,13 @@ def main(names):
             error = np.abs(image.pixels.reshape(-1, 3) - radiance).max(axis=1)
             certificate = image.certificate.ravel()
             excess = np.where(glass, error - doubt - certificate, -np.inf)
-            under = np.mean(excess[glass] <= 0.0)
-            ratio = certificate[glass] / np.maximum(np.maximum(error, doubt), 1e-6)[glass]
+            under = np.mean(excess[glass] <= ROUNDING)
+            ratio = certificate[glass] / np.maximum(np.maximum(error, doubt), ROUNDING)[glass]
             worst = int(np.argmax(excess))
             row, column = divmod(worst, world.size[0])
-            told = f"({column}, {row}): {error[worst]:.3g}, {certificate[worst]:.3g}" if excess[worst] > 0.0 else "none"
+            told = "none"
+            if excess[worst] > ROUNDING:
+                told = f"({column}, {row}): {error[worst]:.3g}, {certificate[worst]:.3g}"
             failed |= under < GOAL
             print(
                 f"{name:<26}{tolerance:>9g}{seconds:>8.2f}{np.percentile(error[glass], 99):>11.4f}{under:>18.2%}"

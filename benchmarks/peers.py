@@ -94,7 +94,7 @@ def ours(kind, pixels, true):
         image = render(world, tolerance=tolerance)
         seconds = time.process_time() - started
         error = np.abs(image.pixels.reshape(-1, 3)[pixels] - true).max(axis=1)
-        under = np.mean(error <= image.certificate.ravel()[pixels] + 1e-9)
+        under = np.mean(error <= image.certificate.ravel()[pixels] + 1e-6)
         yield (
             f"tolerance {tolerance:g}",
             seconds,
