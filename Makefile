@@ -63,8 +63,8 @@ sanitize: sanitized ## Run the tests of the native code under the address and un
 fuzz: sanitized ## Trace random scenes under the sanitizers, for FUZZ_SECONDS (600 if not given)
 	@$(UNDER_SANITIZERS) $(PYTHON) tests/fuzz.py $(or $(FUZZ_SECONDS),600)
 
-bench-tracer: build ## Measure the tracer's speed, beside Embree's, its leaks, and how soon it stops
-	@for name in throughput leaks patches cancel; do echo "== $$name"; $(PYTHON) benchmarks/$$name.py || exit 1; done
+bench-tracer: build ## Measure the tracer: speed beside Embree's, leaks, growth, the certificate, how soon it stops
+	@for name in throughput leaks patches growth cancel certificate; do echo "== $$name"; $(PYTHON) benchmarks/$$name.py || exit 1; done
 
 bench-peers: build ## Time to an error on the peers' bottle, beside Mitsuba's (the first run traces the truth, an hour)
 	@$(PYTHON) benchmarks/peers.py

@@ -16,6 +16,7 @@ import tracer_scenes
 from closed_forms import critical_angle, normal_reflectance, reflectances
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from patch_bodies import ball_patches
 from tracer_scenes import CAMERA, SODA_LIME, arc, cubic, cylinder, line, polyline, revolved_ball
 
 from glassworkbench.scene import Body, Ellipsoid, Environment, Medium, Revolved, Scene
@@ -186,6 +187,45 @@ def test_a_ball_is_met_from_however_far(tracer, away):
     np.testing.assert_allclose(distance[::2], away, rtol=0.0, atol=MOVE * (away + radius) / steepness.min())
     chord = distance[1::2] - distance[::2]
     assert np.all(np.abs(chord - 2.0 * radius * steepness) <= 2.0 * MOVE * (away + radius) / steepness)
+
+
+@pytest.mark.parametrize("body", ["revolved", "patches"])
+def test_lines_along_and_beside_the_axis_meet_a_ball_at_its_poles(tracer, body):
+    # A pole is where the meridian ends on the axis, and where an edge of each patch is collapsed into a point.
+    ball = revolved_ball(10.0) if body == "revolved" else ball_patches(10.0, 4)
+    beside = np.concatenate([[0.0], 10.0 ** np.arange(-16.0, 0.0), [5.0, 9.9]])
+    offset, tilt = (grid.ravel() for grid in np.meshgrid(beside, [0.0, 1e-16, -1e-9, 1e-3]))
+    azimuth = np.arange(len(offset)) * 0.25 * np.pi
+    aside = np.column_stack([np.cos(azimuth), np.sin(azimuth), 0.0 * azimuth])
+    directions = unit(np.array([0.0, 0.0, -1.0]) + tilt[:, None] * np.cross(aside, [0.0, 0.0, 1.0]))
+    origins = offset[:, None] * aside - 40.0 * directions
+    number, distance, entering, _ = crossings(tracer, ball, origins, directions)
+    np.testing.assert_array_equal(number, np.repeat(np.arange(len(offset)), 2))
+    np.testing.assert_array_equal(entering, np.tile([True, False], len(offset)))
+    half = np.sqrt((10.0 - offset) * (10.0 + offset))
+    # A patch's pole is reached to 1e-7 of its size: its parameters have no direction there.
+    limit = 1e-11 if body == "revolved" else 1e-6
+    np.testing.assert_allclose(distance.reshape(-1, 2), np.column_stack([40.0 - half, 40.0 + half]), atol=limit)
+
+
+@pytest.mark.parametrize("inside", [False, True])
+def test_a_line_that_grazes_the_hole_of_a_torus_crosses_it_or_passes_by(tracer, inside):
+    # The inside of the surface is met from its hollow side: the line is in the glass on both sides of the touch.
+    torus = Revolved(np.array([arc((30.0, 0.0), 8.0, 90.0 * k, 90.0 * (k + 1)) for k in range(4)]))
+    gaps = 10.0 ** np.arange(-15.0, -2.0)
+    closest = 22.0 * np.concatenate([1.0 - gaps, 1.0 + gaps])
+    reach = 10.0 if inside else 100.0
+    origins = np.column_stack([0.0 * closest - reach, closest, 0.0 * closest])
+    number, _, entering, points = crossings(tracer, torus, origins, np.tile([1.0, 0.0, 0.0], (len(closest), 1)))
+    count, first = np.bincount(number, minlength=len(closest)), 1 if inside else 2
+    assert np.all((count == first) | (count == first + 2))
+    assert np.all(count[closest < 22.0 * (1.0 - 1e-13)] == first + 2)
+    assert np.all(count[closest > 22.0 * (1.0 + 1e-13)] == first)
+    balance = np.bincount(number, np.where(entering, 1.0, -1.0), minlength=len(closest))
+    np.testing.assert_array_equal(balance, -1.0 if inside else 0.0)
+    ring = np.hypot(points[:, 0], points[:, 1])
+    off = np.minimum(np.abs(ring - 22.0), np.abs(ring - 38.0))
+    assert off.max() < 1e-6
 
 
 @pytest.mark.parametrize("slope", [0.0, 1e-16, 1e-9, 1e-3, 1.0, 1e9])

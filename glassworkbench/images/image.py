@@ -23,6 +23,8 @@ IMAGE_ENDINGS = LINEAR_ENDINGS + DISPLAY_ENDINGS
 class Image:
     """A linear, scene-referred image: a panel of radiance 1 reads 1.0 where nothing is in the way.
 
+    Its arrays are kept in float32.
+
     Parameters
     ----------
     pixels : array (h, w, 3)
@@ -56,7 +58,7 @@ class Image:
 
     def __post_init__(self) -> None:
         for name in ("pixels", "certificate", "depth_mm"):
-            object.__setattr__(self, name, np.ascontiguousarray(getattr(self, name), dtype=np.float64))
+            object.__setattr__(self, name, np.ascontiguousarray(getattr(self, name), dtype=np.float32))
         if self.pixels.ndim != 3 or self.pixels.shape[2] != 3 or self.pixels.size == 0:
             raise InputError(f"pixels: expected an array (height, width, 3), got shape {self.pixels.shape}")
         for name in ("certificate", "depth_mm"):
@@ -131,8 +133,7 @@ class Image:
         path = check_writable(path, IMAGE_ENDINGS)
         told = self.description()
         if path.suffix.lower() in LINEAR_ENDINGS:
-            channels = np.empty((*self.certificate.shape, len(CHANNELS)), dtype=np.float32)
-            channels[:, :, :3], channels[:, :, 3], channels[:, :, 4] = self.pixels, self.certificate, self.depth_mm
+            channels = np.dstack([self.pixels, self.certificate, self.depth_mm])
             files.write(path, channels, CHANNELS, told, (self.corner, self.whole))
         else:
             told |= {"tone_curve": "sRGB", "exposure": f"{exposure:g}"}

@@ -4,12 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 
+BAND = 64
+"""Rows that are encoded at a time, so that a large picture needs little memory beside itself."""
+
 
 def to_display(radiance: np.ndarray, exposure: float = 0.0) -> np.ndarray:
     """Return the uint8 picture of linear radiance: times 2 ** exposure, clipped to 0..1, sRGB encoded."""
-    linear = np.clip(np.asarray(radiance, dtype=np.float64) * 2.0**exposure, 0.0, 1.0)
-    encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1.0 / 2.4) - 0.055)
-    return np.rint(255.0 * encoded).astype(np.uint8)
+    radiance = np.asarray(radiance)
+    picture = np.empty(radiance.shape, dtype=np.uint8)
+    for first in range(0, len(radiance), BAND):
+        rows = slice(first, first + BAND)
+        linear = np.clip(radiance[rows].astype(np.float64) * 2.0**exposure, 0.0, 1.0)
+        encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1.0 / 2.4) - 0.055)
+        picture[rows] = np.rint(255.0 * encoded)
+    return picture
 
 
 def from_display(encoded: np.ndarray, exposure: float = 0.0) -> np.ndarray:

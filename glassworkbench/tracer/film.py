@@ -13,7 +13,8 @@ class Film:
     Parameters
     ----------
     width, height : int
-        In pixels; arrays are row-major over pixels.
+        In pixels; arrays are row-major over pixels, in float32 as files hold them: an image of 24 megapixels takes
+        half a gigabyte.
 
     Attributes
     ----------
@@ -31,10 +32,10 @@ class Film:
     def __init__(self, width: int, height: int) -> None:
         pixels = width * height
         self.width, self.height = width, height
-        self.radiance = np.zeros((pixels, 3))
-        self.sampling = np.full(pixels, np.inf)
-        self.pruned = np.full(pixels, np.inf)
-        self.depth_mm = np.full(pixels, np.inf)
+        self.radiance = np.zeros((pixels, 3), dtype=np.float32)
+        self.sampling = np.full(pixels, np.inf, dtype=np.float32)
+        self.pruned = np.full(pixels, np.inf, dtype=np.float32)
+        self.depth_mm = np.full(pixels, np.inf, dtype=np.float32)
         self.totals = np.zeros(3, dtype=np.int64)
 
     @property

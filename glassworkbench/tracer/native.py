@@ -23,10 +23,11 @@ from glassworkbench.tracer.result import Crossing, Radiance
 LIBRARY_FOLDER = Path(os.environ.get("GLASSWORKBENCH_LIBRARIES", Path(__file__).with_name("native") / "lib"))
 """Another folder holds other builds, such as those of 'make sanitize'."""
 
-INTERFACE_VERSION = 3
+INTERFACE_VERSION = 4
 BUILDS_BY_VECTOR_WIDTH = {2: ("baseline",), 4: ("v3", "baseline"), 8: ("v4", "v3", "baseline")}
 
 _DOUBLES = ndpointer(np.float64, flags="C_CONTIGUOUS")
+_FLOATS = ndpointer(np.float32, flags="C_CONTIGUOUS")
 _INT32S = ndpointer(np.int32, flags="C_CONTIGUOUS")
 _INT64S = ndpointer(np.int64, flags="C_CONTIGUOUS")
 
@@ -387,7 +388,7 @@ def _declare(library: ctypes.CDLL) -> None:
                 int64,
                 _INT64S,
                 ndpointer(np.uint8, flags="C_CONTIGUOUS"),
-                *[_DOUBLES] * 4,
+                *[_FLOATS] * 4,
                 _INT64S,
             ),
         ),

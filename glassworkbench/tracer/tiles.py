@@ -15,9 +15,9 @@ def tile_count(width: int, height: int) -> int:
 
 def tiles_of(wanted: np.ndarray) -> np.ndarray:
     """Return the numbers of the tiles (n,) that hold a wanted pixel, for a mask (h, w)."""
-    rows, columns = np.nonzero(wanted)
-    across = -(-wanted.shape[1] // TILE_SIZE)
-    return np.unique(rows // TILE_SIZE * across + columns // TILE_SIZE)
+    rows, columns = (np.arange(0, side, TILE_SIZE) for side in wanted.shape)
+    bands = np.logical_or.reduceat(wanted, rows, axis=0)
+    return np.flatnonzero(np.logical_or.reduceat(bands, columns, axis=1))
 
 
 def pixels_of(tile: int, width: int, height: int) -> np.ndarray:

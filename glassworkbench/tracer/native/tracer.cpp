@@ -27,10 +27,11 @@ using glass::Vector;
 Vector vector(const double* p) { return {p[0], p[1], p[2]}; }
 glass::Colour colour(const double* p) { return {p[0], p[1], p[2]}; }
 
-void put(const glass::Colour& colour, double* p) {
-    p[0] = colour.r;
-    p[1] = colour.g;
-    p[2] = colour.b;
+template <class Number>
+void put(const glass::Colour& colour, Number* p) {
+    p[0] = static_cast<Number>(colour.r);
+    p[1] = static_cast<Number>(colour.g);
+    p[2] = static_cast<Number>(colour.b);
 }
 
 glass::Camera camera_from(const glass_camera& c) {
@@ -256,7 +257,7 @@ GLASS_EXPORT int32_t glass_radiance(const glass_scene* scene, const glass_settin
 GLASS_EXPORT int32_t glass_image(const glass_scene* scene, const glass_settings* settings, const glass_camera* camera,
                                  double tolerance, int32_t halvings, const double* ambient, int32_t threads,
                                  glass_control* control, int64_t n, const int64_t* tiles, const uint8_t* wanted,
-                                 double* radiance, double* sampling, double* pruned, double* depth, int64_t* totals) {
+                                 float* radiance, float* sampling, float* pruned, float* depth, int64_t* totals) {
     return guarded([&] {
         const glass::Camera view = camera_from(*camera);
         const std::int64_t width = camera->width, height = camera->height;
@@ -274,9 +275,9 @@ GLASS_EXPORT int32_t glass_image(const glass_scene* scene, const glass_settings*
                     [&](std::int64_t column, std::int64_t row, const glass::Pixel& pixel) {
                         const std::int64_t k = row * width + column;
                         put(pixel.radiance, radiance + 3 * k);
-                        sampling[k] = pixel.sampling;
-                        pruned[k] = pixel.pruned;
-                        depth[k] = pixel.depth;
+                        sampling[k] = static_cast<float>(pixel.sampling);
+                        pruned[k] = static_cast<float>(pixel.pruned);
+                        depth[k] = static_cast<float>(pixel.depth);
                     });
                 rays.fetch_add(cells.rays, std::memory_order_relaxed);
                 crossings.fetch_add(cells.crossings, std::memory_order_relaxed);

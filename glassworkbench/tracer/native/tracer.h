@@ -9,7 +9,7 @@
 extern "C" {
 #endif
 
-#define GLASS_INTERFACE_VERSION 3
+#define GLASS_INTERFACE_VERSION 4
 #define GLASS_OK 0
 #define GLASS_CANCELLED 1
 #define GLASS_FAILED 2
@@ -76,8 +76,8 @@ int32_t glass_radiance(const glass_scene* scene, const glass_settings* settings,
    (pixels each). totals (3): rays, crossings, leaks, added to. */
 int32_t glass_image(const glass_scene* scene, const glass_settings* settings, const glass_camera* camera,
                     double tolerance, int32_t halvings, const double* ambient, int32_t threads, glass_control* control,
-                    int64_t n, const int64_t* tiles, const uint8_t* wanted, double* radiance, double* sampling,
-                    double* pruned, double* depth, int64_t* totals);
+                    int64_t n, const int64_t* tiles, const uint8_t* wanted, float* radiance, float* sampling,
+                    float* pruned, float* depth, int64_t* totals);
 
 /* The refracted path of one ray, at most `room` interfaces; returns their number, or -1 if it failed.
    numbers (room x 4, int32): body, entering, medium before, medium after; values (room x 5): point, cosine,
