@@ -15,8 +15,9 @@ from glassworkbench.tracer.extent import longest_chord_mm
 
 EFFECTS = ("absorption",)
 
-PRUNED_SHARE = 0.2
-"""The cut-off as a share of the tolerance: a ray leaves out some three times the cut-off (measured on bottles)."""
+PRUNED_SHARE = 0.025
+"""The cut-off as a share of the tolerance (measured on the peers' bottle: what is left out may lead to light that differs
+from all other, and the paths that are kept are found again at a pixel's other corners)."""
 
 LARGEST_CUTOFF = 0.1
 """A first glance should still show a reflection of a tenth."""

@@ -2,7 +2,8 @@
 // path that arrives from all four corners after the same events is interpolated between them: its light is averaged
 // over the cell without further tracing, exact to second order, with the third samples of each row and column telling
 // how good that is. Where paths begin or end inside a cell (silhouettes, total reflection), and where the light they
-// lead to has an edge, the cell is cut into quarters, the worst first, until the error comes below the tolerance.
+// lead to has an edge, the cell is cut into quarters, the worst first, until the error comes below the tolerance. Faint
+// paths are many, and matter little: the samples inside a pixel leave them to its corners.
 #pragma once
 
 #include <algorithm>
@@ -29,12 +30,14 @@ public:
     static constexpr int tile_size = 32;     // pixels
     static constexpr int most_halvings = 3;  // of a pixel, before any error is asked for
 
-    Cells(const Scene& scene, Transport& transport, const Camera& camera, double tolerance, int halvings,
+    Cells(const Scene& scene, const Settings& settings, const Camera& camera, double tolerance, int halvings,
           const Colour& ambient, std::function<bool()> stopped)
         : scene_(scene),
-          transport_(transport),
+          transport_(scene, settings),
           camera_(camera),
           tolerance_(tolerance),
+          cutoff_(settings.cutoff),
+          bright_cutoff_(bright * settings.cutoff),
           coarsest_(finest >> std::clamp(halvings, 0, most_halvings)),
           ambient_(ambient),
           stopped_(std::move(stopped)),
@@ -62,7 +65,7 @@ public:
 
 private:
     struct Sample {
-        std::uint32_t first, last;  // of its arrivals, sorted by their keys
+        std::uint32_t first, faint, last;  // of its arrivals, the bright and then the faint, both sorted by their keys
         Colour left_out;
     };
 
@@ -79,7 +82,12 @@ private:
         Colour left_out;
         double smooth = 0.0;  // error of interpolation
         double jump = 0.0;    // error where paths begin and end
+
+        double error() const { return smooth + jump; }
     };
+    friend Estimate operator+(const Estimate& a, const Estimate& b) {
+        return {a.value + b.value, a.left_out + b.left_out, a.smooth + b.smooth, a.jump + b.jump};
+    }
 
     struct Leaf {
         int x, y, size;  // in units of the finest lattice
@@ -93,26 +101,33 @@ private:
     static constexpr double hidden_share = 0.4;  // of the light that paths without a match may meet unseen between them
     static constexpr double wild_spread = 0.05;  // rad, from corner to corner: what lies between is not to be trusted,
     static constexpr double wild_share = 0.2;    // and may be off by this share of the light
+    static constexpr double bright = 8.0;        // a path that a cut-off so many times larger would keep
+    static constexpr double faint_share = 0.5;   // of the allowed error, that pixels' corners may leave in faint paths
     static constexpr double caution = 2.0;       // factor on an interpolated ray's error where it decides
     static constexpr int light_points = 64;      // in a cell, where a light's edge crosses it
     static constexpr int most_lookups = 8;       // along a cell, of an environment's light
     static constexpr double golden_ratio = 0.6180339887498949;
 
-    static double smallest(const Colour& c) { return std::fmin(c.r, std::fmin(c.g, c.b)); }
+    static double smallest(const Colour& c) { return lesser(c.r, lesser(c.g, c.b)); }
     static Colour magnitude(const Colour& c) { return {std::fabs(c.r), std::fabs(c.g), std::fabs(c.b)}; }
     static void widen(const Colour& c, Colour& low, Colour& high) {
-        low = {std::fmin(low.r, c.r), std::fmin(low.g, c.g), std::fmin(low.b, c.b)};
-        high = {std::fmax(high.r, c.r), std::fmax(high.g, c.g), std::fmax(high.b, c.b)};
+        low = {lesser(low.r, c.r), lesser(low.g, c.g), lesser(low.b, c.b)};
+        high = {greater(high.r, c.r), greater(high.g, c.g), greater(high.b, c.b)};
     }
 
-    std::int32_t traced(double column, double row) {
-        Sample sample{static_cast<std::uint32_t>(arrivals_.size()), 0, {}};
+    std::int32_t traced(double column, double row, double cutoff) {
+        Sample sample{static_cast<std::uint32_t>(arrivals_.size()), 0, 0, {}};
         const Answer answer =
-            transport_.arrivals(camera_.ray(column, row), [&](const Arrival& a) { arrivals_.push_back(a); });
+            transport_.arrivals(camera_.ray(column, row), cutoff, [&](const Arrival& a) { arrivals_.push_back(a); });
         sample.last = static_cast<std::uint32_t>(arrivals_.size());
         sample.left_out = answer.left_out;
-        std::sort(arrivals_.begin() + sample.first, arrivals_.end(),
-                  [](const Arrival& a, const Arrival& b) { return a.key < b.key; });
+        const auto first = arrivals_.begin() + sample.first;
+        const auto faint =
+            std::partition(first, arrivals_.end(), [&](const Arrival& a) { return a.kept >= bright_cutoff_; });
+        sample.faint = static_cast<std::uint32_t>(faint - arrivals_.begin());
+        const auto by_key = [](const Arrival& a, const Arrival& b) { return a.key < b.key; };
+        std::sort(first, faint, by_key);
+        std::sort(faint, arrivals_.end(), by_key);
         samples_.push_back(sample);
         rays += 1;
         crossings += answer.crossings;
@@ -127,18 +142,18 @@ private:
         for (int i = 0; i < 9; ++i) {
             const int column = x + i % 3, row = y + i / 3;
             std::int32_t& place = lattice_[row * (tile_size + 1) + column];
-            if (place < 0) place = traced(static_cast<double>(left + column), static_cast<double>(top + row));
+            if (place < 0) place = traced(static_cast<double>(left + column), static_cast<double>(top + row), cutoff_);
             points[i] = place;
         }
-        std::array<Estimate, 4> estimates = children(points);
+        const std::array<Estimate, 4> bright = bright_cells(points), faint = faint_cells(points);
         const std::size_t arrivals = arrivals_.size(), samples = samples_.size();
         for (int k = 0; k < 4; ++k) {
             if (!wanted[k]) continue;
             const std::int64_t column = left + x + k % 2, row = top + y + k / 2;
             const int corner = 3 * (k / 2) + k % 2;
-            Pixel pixel =
-                refined(static_cast<double>(column), static_cast<double>(row),
-                        {points[corner], points[corner + 1], points[corner + 3], points[corner + 4]}, estimates[k]);
+            Pixel pixel = refined(static_cast<double>(column), static_cast<double>(row),
+                                  {points[corner], points[corner + 1], points[corner + 3], points[corner + 4]},
+                                  bright[k], faint[k]);
             pixel.depth = transport_.depth(camera_.ray(column + 0.5, row + 0.5));
             deliver(column, row, pixel);
             arrivals_.resize(arrivals);
@@ -148,11 +163,14 @@ private:
 
     double pruned(const Estimate& e) const { return e.left_out.largest() * worst_light_; }
 
-    Pixel refined(double column, double row, const std::array<std::int32_t, 4>& corners, const Estimate& whole) {
+    Pixel refined(double column, double row, const std::array<std::int32_t, 4>& corners, const Estimate& bright,
+                  const Estimate& faint) {
+        const double allowed = std::fmax(tolerance_ - pruned(faint), 0.5 * tolerance_);
+        const bool all = faint.error() > faint_share * allowed;  // whether the faint paths are refined too
+        const Estimate beside = all ? Estimate{} : faint;
         leaves_.clear();
-        leaves_.push_back({0, 0, finest, whole});
-        const double allowed = std::fmax(tolerance_ - pruned(whole), 0.5 * tolerance_);
-        double error = whole.smooth + whole.jump;
+        leaves_.push_back({0, 0, finest, all ? bright + faint : bright});
+        double error = bright.error() + faint.error();
         if (error > allowed || coarsest_ < finest) {
             fine_.fill(-1);
             fine_[0] = corners[0];
@@ -160,27 +178,28 @@ private:
             fine_[finest * stride] = corners[2];
             fine_[finest * stride + finest] = corners[3];
             for (std::size_t i = 0; i < leaves_.size(); ++i)
-                while (leaves_[i].size > coarsest_) split(column, row, i);
-            error = total_error();
+                while (leaves_[i].size > coarsest_ && !stopped_()) split(column, row, i, all);
+            error = beside.error() + total_error();
             const std::int64_t limit = rays + most_samples;
             while (error > allowed && rays < limit && !stopped_()) {
                 std::size_t worst = 0;
                 double most = 0.0;
                 for (std::size_t i = 0; i < leaves_.size(); ++i) {
                     const Leaf& leaf = leaves_[i];
-                    const double share = area(leaf) * (leaf.estimate.smooth + leaf.estimate.jump);
+                    const double share = area(leaf) * leaf.estimate.error();
                     if (leaf.size > 1 && share > most) {
                         most = share;
                         worst = i;
                     }
                 }
                 if (most <= 0.0) break;
-                split(column, row, worst);
-                error = total_error();
+                split(column, row, worst, all);
+                error = beside.error() + total_error();
             }
         }
         Pixel pixel;
-        Colour left_out;
+        pixel.radiance = beside.value;
+        Colour left_out = beside.left_out;
         for (const Leaf& leaf : leaves_) {
             pixel.radiance = pixel.radiance + area(leaf) * leaf.estimate.value;
             left_out = left_out + area(leaf) * leaf.estimate.left_out;
@@ -207,7 +226,7 @@ private:
         return smooth + std::sqrt(squares);
     }
 
-    void split(double column, double row, std::size_t chosen) {
+    void split(double column, double row, std::size_t chosen, bool all) {
         const Leaf leaf = leaves_[chosen];
         const int half = leaf.size / 2;
         std::array<std::int32_t, 9> points;
@@ -215,26 +234,43 @@ private:
             const int x = leaf.x + half * (i % 3), y = leaf.y + half * (i / 3);
             std::int32_t& place = fine_[y * stride + x];
             if (place < 0)
-                place = traced(column + static_cast<double>(x) / finest, row + static_cast<double>(y) / finest);
+                place = traced(column + static_cast<double>(x) / finest, row + static_cast<double>(y) / finest,
+                               all ? cutoff_ : bright_cutoff_);
             points[i] = place;
         }
-        const std::array<Estimate, 4> estimates = children(points);
+        std::array<Estimate, 4> estimates = bright_cells(points);
+        if (all) {
+            const std::array<Estimate, 4> faint = faint_cells(points);
+            for (int k = 0; k < 4; ++k) estimates[k] = estimates[k] + faint[k];
+        }
         leaves_[chosen] = {leaf.x, leaf.y, half, estimates[0]};
         for (int k = 1; k < 4; ++k)
             leaves_.push_back({leaf.x + half * (k % 2), leaf.y + half * (k / 2), half, estimates[k]});
     }
 
-    // The four cells between three by three samples.
-    std::array<Estimate, 4> children(const std::array<std::int32_t, 9>& points) const {
+    // The four cells between three by three samples, as their bright paths, or the faint ones and what is left out, see
+    // them.
+    std::array<Estimate, 4> bright_cells(const std::array<std::int32_t, 9>& points) const {
         std::array<Estimate, 4> cells;
+        add_paths(points, &Sample::first, &Sample::faint, cells);
+        return cells;
+    }
+    std::array<Estimate, 4> faint_cells(const std::array<std::int32_t, 9>& points) const {
+        std::array<Estimate, 4> cells;
+        for (int k = 0; k < 4; ++k)
+            for (const int corner : corners_of(k))
+                cells[k].left_out = cells[k].left_out + 0.25 * samples_[points[corner]].left_out;
+        add_paths(points, &Sample::faint, &Sample::last, cells);
+        return cells;
+    }
+
+    void add_paths(const std::array<std::int32_t, 9>& points, std::uint32_t Sample::*first, std::uint32_t Sample::*last,
+                   std::array<Estimate, 4>& cells) const {
         std::array<const Arrival*, 9> next, end;
         for (int i = 0; i < 9; ++i) {
             const Sample& sample = samples_[points[i]];
-            next[i] = arrivals_.data() + sample.first;
-            end[i] = arrivals_.data() + sample.last;
-            for (int k = 0; k < 4; ++k)
-                for (int corner : corners_of(k))
-                    if (corner == i) cells[k].left_out = cells[k].left_out + 0.25 * sample.left_out;
+            next[i] = arrivals_.data() + sample.*first;
+            end[i] = arrivals_.data() + sample.*last;
         }
         std::array<std::array<Colour, 4>, 4> unmatched;  // of each cell, at its corners
         std::array<std::array<double, 4>, 4> loose{};    // their weight
@@ -287,7 +323,6 @@ private:
             const double most = *std::max_element(loose[k].begin(), loose[k].end());
             cells[k].jump += jump_share * (high + -1.0 * low).largest() + hidden_share * most * likely_light_;
         }
-        return cells;
     }
 
     static std::array<int, 4> corners_of(int cell) {
@@ -449,15 +484,17 @@ private:
     }
 
     // The light of directions in between is looked up, at as many of them as the spread of each row and column asks
-    // for.
+    // for: fewer where the path weighs little.
     void add_environment(const Corners& corners, double off_direction, double spread, double texel,
                          Estimate& cell) const {
         const auto apart = [&](int i, int j) {
             return length(corners[i]->ray.direction - corners[j]->ray.direction) / texel;
         };
         const double across = greater(apart(0, 1), apart(2, 3)), down = greater(apart(0, 2), apart(1, 3));
-        const int columns = std::clamp(static_cast<int>(std::ceil(0.25 * across)), 1, most_lookups);
-        const int rows = std::clamp(static_cast<int>(std::ceil(0.25 * down)), 1, most_lookups);
+        const double importance = weight(corners) * scene_.brightest / tolerance_;
+        const int most = importance > 1.0 ? most_lookups : importance > 0.125 ? most_lookups / 2 : most_lookups / 4;
+        const int columns = std::clamp(static_cast<int>(std::ceil(0.25 * across)), 1, most);
+        const int rows = std::clamp(static_cast<int>(std::ceil(0.25 * down)), 1, most);
         const int level = static_cast<int>(std::log2(greater(1.0, 0.5 * greater(across / columns, down / rows))));
         Colour sum, low{INFINITY, INFINITY, INFINITY}, high;
         for (int j = 0; j < rows; ++j)
@@ -475,9 +512,10 @@ private:
     }
 
     const Scene& scene_;
-    Transport& transport_;
-    const Camera& camera_;
+    Transport transport_;
+    const Camera camera_;
     const double tolerance_;
+    const double cutoff_, bright_cutoff_;
     const int coarsest_;  // size of the largest cells, in units of the finest lattice
     const Colour ambient_;
     const std::function<bool()> stopped_;

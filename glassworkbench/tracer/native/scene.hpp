@@ -18,7 +18,7 @@ namespace glass {
 struct Colour {
     double r = 0.0, g = 0.0, b = 0.0;
 
-    double largest() const { return std::fmax(r, std::fmax(g, b)); }
+    double largest() const { return greater(r, greater(g, b)); }
 };
 
 inline Colour operator*(const Colour& a, const Colour& b) { return {a.r * b.r, a.g * b.g, a.b * b.b}; }

@@ -11,6 +11,7 @@
 #include <exception>
 #include <memory>
 #include <thread>
+#include <utility>
 
 #include "cells.hpp"
 #include "scene.hpp"
@@ -62,21 +63,21 @@ glass::Settings settings_from(const glass_settings& s) {
     return {s.cutoff, std::clamp<std::int32_t>(s.maximum_depth, 1, 1000), s.absorption != 0};
 }
 
-// Runs work(transport, i) for i in [0, n), in chunks that threads take in turn. Which thread does which chunk changes
-// nothing: each i writes its own results.
-template <class Work>
-std::int32_t share(const glass_scene* scene, const glass_settings* settings, std::int64_t n, std::int64_t chunk,
-                   std::int32_t threads, glass_control* control, Work&& work) {
+// Has work(i) done for each i in [0, n), in chunks that threads take in turn, by a worker for each thread, made by
+// make_worker(). Which thread does which chunk changes nothing: each i writes its own results.
+template <class MakeWorker>
+std::int32_t share(std::int64_t n, std::int64_t chunk, std::int32_t threads, glass_control* control,
+                   MakeWorker&& make_worker) {
     std::atomic<std::int64_t> next{0};
     const auto run = [&] {
-        glass::Transport transport(scene->scene, settings_from(*settings));
+        auto work = make_worker();
         for (;;) {
             const std::int64_t first = next.fetch_add(chunk, std::memory_order_relaxed);
             if (first >= n) return;
             const std::int64_t last = std::min(n, first + chunk);
             for (std::int64_t i = first; i < last; ++i) {
                 if (cancelled(control)) return;
-                work(transport, i);
+                work(i);
             }
             __atomic_fetch_add(&control->done, last - first, __ATOMIC_RELAXED);
         }
@@ -241,16 +242,19 @@ GLASS_EXPORT int32_t glass_radiance(const glass_scene* scene, const glass_settin
                                     double* radiance, double* left_out, double* bound, double* depth,
                                     int64_t* crossings, int64_t* leaks) {
     return guarded([&] {
-        return share(scene, settings, n, 16, threads, control, [&](glass::Transport& transport, std::int64_t i) {
-            const glass::Ray ray{vector(origins + 3 * i), glass::normalised(vector(directions + 3 * i))};
-            const glass::Answer answer = transport.radiance(ray);
-            put(answer.radiance, radiance + 3 * i);
-            put(answer.left_out, left_out + 3 * i);
-            bound[i] = answer.bound;
-            depth[i] = answer.depth;
-            crossings[i] = answer.crossings;
-            leaks[i] = answer.leaks;
-        });
+        const auto make_worker = [&] {
+            return [&, transport = glass::Transport(scene->scene, settings_from(*settings))](std::int64_t i) mutable {
+                const glass::Ray ray{vector(origins + 3 * i), glass::normalised(vector(directions + 3 * i))};
+                const glass::Answer answer = transport.radiance(ray);
+                put(answer.radiance, radiance + 3 * i);
+                put(answer.left_out, left_out + 3 * i);
+                bound[i] = answer.bound;
+                depth[i] = answer.depth;
+                crossings[i] = answer.crossings;
+                leaks[i] = answer.leaks;
+            };
+        };
+        return share(n, 16, threads, control, make_worker);
     });
 }
 
@@ -261,28 +265,30 @@ GLASS_EXPORT int32_t glass_image(const glass_scene* scene, const glass_settings*
     return guarded([&] {
         const glass::Camera view = camera_from(*camera);
         const std::int64_t width = camera->width, height = camera->height;
+        const std::int64_t across = (width + glass::Cells::tile_size - 1) / glass::Cells::tile_size;
         std::atomic<std::int64_t> rays{0}, crossings{0}, leaks{0};
-        const std::int32_t outcome =
-            share(scene, settings, n, 1, threads, control, [&](glass::Transport& transport, std::int64_t i) {
-                glass::Cells cells(scene->scene, transport, view, tolerance, halvings, colour(ambient),
-                                   [&] { return cancelled(control); });
-                const std::int64_t across = (width + glass::Cells::tile_size - 1) / glass::Cells::tile_size;
-                cells.tile(
-                    tiles[i] % across * glass::Cells::tile_size, tiles[i] / across * glass::Cells::tile_size,
-                    [&](std::int64_t column, std::int64_t row) {
-                        return column < width && row < height && wanted[row * width + column] != 0;
-                    },
-                    [&](std::int64_t column, std::int64_t row, const glass::Pixel& pixel) {
-                        const std::int64_t k = row * width + column;
-                        put(pixel.radiance, radiance + 3 * k);
-                        sampling[k] = static_cast<float>(pixel.sampling);
-                        pruned[k] = static_cast<float>(pixel.pruned);
-                        depth[k] = static_cast<float>(pixel.depth);
-                    });
-                rays.fetch_add(cells.rays, std::memory_order_relaxed);
-                crossings.fetch_add(cells.crossings, std::memory_order_relaxed);
-                leaks.fetch_add(cells.leaks, std::memory_order_relaxed);
-            });
+        const auto is_wanted = [&](std::int64_t column, std::int64_t row) {
+            return column < width && row < height && wanted[row * width + column] != 0;
+        };
+        const auto deliver = [&](std::int64_t column, std::int64_t row, const glass::Pixel& pixel) {
+            const std::int64_t k = row * width + column;
+            put(pixel.radiance, radiance + 3 * k);
+            sampling[k] = static_cast<float>(pixel.sampling);
+            pruned[k] = static_cast<float>(pixel.pruned);
+            depth[k] = static_cast<float>(pixel.depth);
+        };
+        const auto make_worker = [&] {
+            return
+                [&, cells = glass::Cells(scene->scene, settings_from(*settings), view, tolerance, halvings,
+                                         colour(ambient), [&] { return cancelled(control); })](std::int64_t i) mutable {
+                    cells.tile(tiles[i] % across * glass::Cells::tile_size, tiles[i] / across * glass::Cells::tile_size,
+                               is_wanted, deliver);
+                    rays.fetch_add(std::exchange(cells.rays, 0), std::memory_order_relaxed);
+                    crossings.fetch_add(std::exchange(cells.crossings, 0), std::memory_order_relaxed);
+                    leaks.fetch_add(std::exchange(cells.leaks, 0), std::memory_order_relaxed);
+                };
+        };
+        const std::int32_t outcome = share(n, 1, threads, control, make_worker);
         totals[0] += rays.load();
         totals[1] += crossings.load();
         totals[2] += leaks.load();

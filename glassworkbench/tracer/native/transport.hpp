@@ -31,6 +31,7 @@ struct Answer {
 // The end of a path: at a panel, or out of the scene.
 struct Arrival {
     std::uint64_t key;
+    double kept;  // the weight at its last interface: any larger cut-off would have left the path out
     Colour weight;
     Ray ray;
     Colour light;
@@ -53,13 +54,14 @@ public:
     Transport(const Scene& scene, const Settings& settings) : scene_(scene), settings_(settings) {}
 
     Answer radiance(const Ray& camera_ray) {
-        return arrivals(camera_ray, [](const Arrival&) {});
+        return arrivals(camera_ray, settings_.cutoff, [](const Arrival&) {});
     }
 
     // The same; each path that arrives at light, or leaves the scene, is handed to `arrive`.
     template <class Arrive>
-    Answer arrivals(const Ray& camera_ray, Arrive&& arrive) {
-        return settings_.absorption ? trace<true>(camera_ray, arrive) : trace<false>(camera_ray, arrive);
+    Answer arrivals(const Ray& camera_ray, double cutoff, Arrive&& arrive) {
+        return settings_.absorption ? trace<true>(camera_ray, cutoff, arrive)
+                                    : trace<false>(camera_ray, cutoff, arrive);
     }
 
     // Distance to the first change of medium along the ray, infinite where there is none.
@@ -99,6 +101,7 @@ private:
     struct Path {
         Ray ray;
         Colour weight;
+        double kept;        // the weight at the last interface
         std::uint64_t key;  // the same for paths that met the same bodies in the same ways
         std::uint32_t bits;
         int depth;      // interfaces so far
@@ -112,7 +115,7 @@ private:
         int body = -1;
     };
 
-    Path start(const Ray& ray) const { return {ray, {1, 1, 1}, 0, inside_bits(ray), 0, 0, -1, {}}; }
+    Path start(const Ray& ray) const { return {ray, {1, 1, 1}, 1.0, 0, inside_bits(ray), 0, 0, -1, {}}; }
 
     static std::uint64_t extended(std::uint64_t key, const Next& next, bool through) {
         key ^= (static_cast<std::uint64_t>(next.body) << 2 | std::uint64_t{next.hit.entering} << 1 | through) + 1;
@@ -309,6 +312,7 @@ private:
     static Path reflected(const Path& path, const Next& next, const Meeting& m) {
         return {{m.point, reflected_direction(path, m)},
                 path.weight,
+                path.kept,
                 extended(path.key, next, false),
                 path.bits,
                 path.depth + 1,
@@ -321,6 +325,7 @@ private:
         const bool interface = m.medium_before != m.medium_after;
         return {{m.point, refracted_direction(path, m)},
                 path.weight,
+                path.kept,
                 extended(path.key, next, true),
                 m.bits_after,
                 path.depth + interface,
@@ -330,7 +335,7 @@ private:
     }
 
     template <bool absorbing, class Arrive>
-    Answer trace(const Ray& camera_ray, Arrive&& arrive) {
+    Answer trace(const Ray& camera_ray, double cutoff, Arrive&& arrive) {
         Answer answer;
         waiting_.clear();
         waiting_.push_back(start(camera_ray));
@@ -353,7 +358,7 @@ private:
                     const Colour radiance = light.panel != nullptr ? light.panel->radiance
                                                                    : scene_.environment.radiance(path.ray.direction);
                     answer.radiance = answer.radiance + path.weight * radiance;
-                    arrive(Arrival{path.key, path.weight, path.ray, radiance, light.panel});
+                    arrive(Arrival{path.key, path.kept, path.weight, path.ray, radiance, light.panel});
                     break;
                 }
                 const Meeting m = meet(path, next, answer);
@@ -368,13 +373,13 @@ private:
                 const double reflectance = m.interface.reflectance;
                 if (reflectance <= 0.0 || reflectance >= 1.0) {
                     path = reflectance >= 1.0 ? reflected(path, next, m) : refracted(path, next, m);
-                    if (keep(path, answer)) continue;
+                    if (keep(path, cutoff, answer)) continue;
                     break;
                 }
                 Path back = reflected(path, next, m), on = refracted(path, next, m);
                 back.weight = reflectance * path.weight;
                 on.weight = (1.0 - reflectance) * path.weight;
-                const bool back_counts = keep(back, answer), on_counts = keep(on, answer);
+                const bool back_counts = keep(back, cutoff, answer), on_counts = keep(on, cutoff, answer);
                 if (back_counts && on_counts) {
                     const bool back_first = reflectance > 0.5;
                     waiting_.push_back(back_first ? on : back);
@@ -391,9 +396,9 @@ private:
         return answer;
     }
 
-    bool keep(const Path& path, Answer& answer) const {
-        const double weight = path.weight.largest();
-        if (weight >= settings_.cutoff) return true;
+    bool keep(Path& path, double cutoff, Answer& answer) const {
+        path.kept = path.weight.largest();
+        if (path.kept >= cutoff) return true;
         leave_out(path, answer);
         return false;
     }
