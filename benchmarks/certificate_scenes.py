@@ -17,28 +17,35 @@ from glassworkbench.scene import Body, Ellipsoid, Environment, Medium, Panel, Pi
 from glassworkbench.staging.sample import sample_container  # noqa: E402
 
 SIZE = (72, 96)
-FLINT = gw.find_glass("flint")
+FLINT, WATER = (1.52338, (0.0008, 0.0004, 0.0007)), (1.333, (0.0002, 0.0, 0.0))
+CLEAR, GREEN = (1.52338, (0.0, 0.0, 0.0)), (1.52, (0.25, 0.06, 0.3))
+"""Refractive indices and absorption per mm: the truths that are kept must not change with the catalogue."""
 
 
 def example(name, wall="3"):
     return gw.hollow(gw.read_mold(ROOT / "examples" / "molds" / f"{name}.step"), wall).geometry()
 
 
+def staged(station, geometry, *media, fill=None):
+    scene = gw.station(station, geometry, gw.find_glass("flint"), fill=fill, size=SIZE)
+    fixed = [Medium(medium.where, *numbers) for medium, numbers in zip(scene.media, media, strict=True)]
+    return replace(scene, media=tuple(fixed))
+
+
 def clear_tumbler():
-    clear = replace(FLINT, absorption_per_mm=(0.0, 0.0, 0.0))
-    return gw.station("sidewall", sample_container(), clear, size=SIZE)
+    return staged("sidewall", sample_container(), CLEAR)
 
 
 def filled_bottle():
-    return gw.station("sidewall", example("wine_bottle"), FLINT, fill="water:180", size=SIZE)
+    return staged("sidewall", example("wine_bottle"), FLINT, WATER, fill="water:180")
 
 
 def flask_of_patches():
-    return gw.station("studio", example("whisky_flask"), FLINT, size=SIZE)
+    return staged("studio", example("whisky_flask"), FLINT)
 
 
 def dark_green_bottle():
-    return gw.station("studio", example("wine_bottle"), gw.find_glass("antique_green"), size=SIZE)
+    return staged("studio", example("wine_bottle"), GREEN)
 
 
 def box_and_ball_of_triangles():

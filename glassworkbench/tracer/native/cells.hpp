@@ -80,13 +80,15 @@ private:
     struct Estimate {
         Colour value;
         Colour left_out;
-        double smooth = 0.0;  // error of interpolation
-        double jump = 0.0;    // error where paths begin and end
+        double smooth = 0.0;                  // error of interpolation
+        double jump = 0.0;                    // error where paths begin and end
+        bool level = false, upright = false;  // how the edge lies at which they do, if it lies so
 
         double error() const { return smooth + jump; }
     };
     friend Estimate operator+(const Estimate& a, const Estimate& b) {
-        return {a.value + b.value, a.left_out + b.left_out, a.smooth + b.smooth, a.jump + b.jump};
+        return {a.value + b.value, a.left_out + b.left_out, a.smooth + b.smooth,
+                a.jump + b.jump,   a.level || b.level,      a.upright || b.upright};
     }
 
     struct Leaf {
@@ -101,6 +103,7 @@ private:
     static constexpr double hidden_share = 0.4;  // of the light that paths without a match may meet unseen between them
     static constexpr double wild_spread = 0.05;  // rad, from corner to corner: what lies between is not to be trusted,
     static constexpr double wild_share = 0.2;    // and may be off by this share of the light
+    static constexpr double straight = 0.1;      // an edge's light changes less along it, as a share of what it changes
     static constexpr double bright = 8.0;        // a path that a cut-off so many times larger would keep
     static constexpr double faint_share = 0.5;   // of the allowed error, that pixels' corners may leave in faint paths
     static constexpr double caution = 2.0;       // factor on an interpolated ray's error where it decides
@@ -215,15 +218,37 @@ private:
         return side * side;
     }
 
-    // Errors of interpolation may all have one sign; those at jumps have none in common.
-    double total_error() const {
-        double smooth = 0.0, squares = 0.0;
+    // Errors of interpolation may all have one sign. Those at jumps have none in common, but along an edge that runs
+    // with the pixel's rows or columns from one side to the other.
+    double total_error() {
+        double smooth = 0.0;
+        for (const Leaf& leaf : leaves_) smooth += area(leaf) * leaf.estimate.smooth;
+        return smooth + std::sqrt(greater(jumps_along(&Leaf::y), jumps_along(&Leaf::x)));
+    }
+
+    // Leaves of one size at one place.
+    struct Line {
+        double sum, squares;  // of their errors at jumps
+        int length;           // of those whose edge runs along it
+    };
+
+    double jumps_along(int Leaf::*place) {
+        const bool Estimate::*lies = place == &Leaf::y ? &Estimate::level : &Estimate::upright;
+        const auto line = [&](const Leaf& leaf) -> Line& { return lines_[(finest + leaf.*place) / leaf.size]; };
+        for (const Leaf& leaf : leaves_) line(leaf) = {};
         for (const Leaf& leaf : leaves_) {
-            smooth += area(leaf) * leaf.estimate.smooth;
             const double jump = area(leaf) * leaf.estimate.jump;
-            squares += jump * jump;
+            Line& along = line(leaf);
+            along.sum += jump;
+            along.squares += jump * jump;
+            along.length += leaf.estimate.*lies ? leaf.size : 0;
         }
-        return smooth + std::sqrt(squares);
+        double squares = 0.0;
+        for (const Leaf& leaf : leaves_) {
+            squares += line(leaf).length == finest ? line(leaf).sum * line(leaf).sum : line(leaf).squares;
+            line(leaf) = {};
+        }
+        return squares;
     }
 
     void split(double column, double row, std::size_t chosen, bool all) {
@@ -320,8 +345,14 @@ private:
                 sum = sum + at;
             }
             cells[k].value = cells[k].value + 0.25 * sum;
+            const auto apart = [&](int i, int j) {
+                return magnitude(unmatched[k][i] + -1.0 * unmatched[k][j]).largest();
+            };
+            const double range = (high + -1.0 * low).largest();
+            cells[k].level |= range > 0.0 && apart(0, 1) + apart(2, 3) < straight * range;
+            cells[k].upright |= range > 0.0 && apart(0, 2) + apart(1, 3) < straight * range;
             const double most = *std::max_element(loose[k].begin(), loose[k].end());
-            cells[k].jump += jump_share * (high + -1.0 * low).largest() + hidden_share * most * likely_light_;
+            cells[k].jump += jump_share * range + hidden_share * most * likely_light_;
         }
     }
 
@@ -524,6 +555,7 @@ private:
     std::vector<Arrival> arrivals_;
     std::vector<Sample> samples_;
     std::vector<Leaf> leaves_;
+    std::array<Line, 2 * finest> lines_;
     std::array<std::int32_t, (tile_size + 1) * (tile_size + 1)> lattice_;
     std::array<std::int32_t, stride * stride> fine_;
 };
