@@ -24,7 +24,7 @@ from glassworkbench.tracer import render  # noqa: E402
 from glassworkbench.tracer.native import NativeScene  # noqa: E402
 
 GRID, TRUE_CUTOFF = 16, 1e-5
-TOLERANCES = {"panel": (0.2, 0.1, 0.05, 0.025), "environment": (1.0, 0.5, 0.25)}
+TOLERANCES = {"panel": (0.2, 0.1, 0.05, 0.025), "environment": (0.5, 0.25, 0.12)}
 MITSUBA_SAMPLES = (16, 64, 256)
 ERRORS = (0.01, 0.005)
 FOLDER = ROOT / "out" / "bench"
