@@ -11,7 +11,7 @@ from glassworkbench.errors import InputError
 from glassworkbench.freecad import FreeCAD, Part
 from glassworkbench.mold.anatomy import Anatomy
 from glassworkbench.mold.axis import Standing, axis_lines, find_standing, is_hollow, to_upright
-from glassworkbench.mold.cavity import find_cavity
+from glassworkbench.mold.cavity import find_cavity, is_closed_around, looks_like_block
 from glassworkbench.mold.closing import closed_solid
 from glassworkbench.mold.measures import (
     mesh_of,
@@ -127,10 +127,7 @@ def mold_from_shape(
     standing = find_standing(solid, vertices, triangles, axis=axis, up=up)
     if is_hollow(standing, vertices, triangles):
         if not outer_shell:
-            raise InputError(
-                "it is already hollow; leave the wall away to render it as it is, "
-                "or take its outside as the mold (outer_shell=True) to hollow that anew"
-            )
+            raise InputError(already_hollow(solid))
         solid, told = _outer_solid(solid, standing, vertices)
         repairs += told
         solid, vertices, triangles = outward(solid)
@@ -143,6 +140,21 @@ def mold_from_shape(
         core = chain(face_profiles(upright.Faces, ROUND_MM), ROUND_MM)
     anatomy = survey(standing, placement, to_upright(vertices, standing), triangles, profiles, core)
     return Mold(solid, upright, placement, anatomy, name, core=core, repairs=tuple(repairs))
+
+
+def already_hollow(solid: Part.Shape) -> str:
+    """Return what a hollow solid is, and what can be done with it, in a sentence."""
+    if not looks_like_block(solid):
+        return (
+            "it is already hollow; leave the wall away to render it as it is, "
+            "or take its outside as the mold (outer_shell=True) to hollow that anew"
+        )
+    if is_closed_around(solid):
+        return "it is one solid around a void, as a mold block is; take the void in it as the mold (block=True)"
+    return (
+        "it is one solid that looks like a mold block; take the void in it as the mold (block=True), "
+        "or its outside (outer_shell=True) if it is a container with so thick a wall"
+    )
 
 
 def _outer_solid(solid: Part.Shape, standing: Standing, vertices_mm: np.ndarray) -> tuple[Part.Shape, tuple[str, ...]]:
@@ -203,6 +215,11 @@ def single_solid(shape: Part.Shape) -> Part.Shape:
     """
     if shape.isNull() or not shape.Faces:
         raise InputError("it is empty; choose something that holds a solid")
+    if len(shape.Solids) > 1 and looks_like_block(shape):
+        raise InputError(
+            f"it holds {len(shape.Solids)} solids that look like a mold block; "
+            "take the void in them as the mold (block=True)"
+        )
     if len(shape.Solids) > 1:
         raise InputError(
             f"it holds {len(shape.Solids)} solids, but a mold is one; join them, or export only the container's, "
