@@ -168,7 +168,7 @@ def _full_mold(mold: Mold) -> dict:
         "height_mm": anatomy.height_mm,
         "finish_height_mm": anatomy.finish_height_mm,
         "finish_outer_radius_mm": anatomy.finish_outer_radius_mm,
-        "finish_face": anatomy.finish_face or None,
+        "finish_face": (mold.file_faces[anatomy.finish_face - 1] or None) if anatomy.finish_face else None,
         "push_up_mm": anatomy.push_up_mm,
         "departure_mm": anatomy.departure_mm,
         "departure_at": {"height_mm": float(anatomy.departure_at_mm[2]), "angle_deg": _angle_deg(anatomy)},
