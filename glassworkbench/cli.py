@@ -66,6 +66,10 @@ def main(arguments: Sequence[str]) -> int:
     except SystemExit as stop:
         # argparse leaves this way after --help and --version.
         return int(stop.code or DONE)
+    except BrokenPipeError:
+        # Who read the answer, as head does, has gone: Python would complain again when it flushes at the end.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return FAILED
     except InputError as error:
         return _told(error, BAD_INPUT, verbose)
     except KeyboardInterrupt:

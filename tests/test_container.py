@@ -196,6 +196,12 @@ def test_a_method_that_runs_out_of_time_is_an_outcome(square):
     with pytest.raises(GlassWorkbenchError, match="did not finish within") as caught:
         hollow(square, 3, seconds=0.05)
     assert "best" not in str(caught.value)
+    assert str(caught.value).endswith("ask for another wall or more time")
+
+
+def test_more_time_is_advised_only_where_it_ran_out(square):
+    with pytest.raises(HollowingError, match="gives the wall 0:6 100:2 within .*ask for another wall or method auto$"):
+        hollow(square, "0:6 100:2", method="thick_solid")
 
 
 def test_the_best_there_is_is_offered_where_there_is_one(square):

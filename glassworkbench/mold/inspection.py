@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from collections import Counter
 from pathlib import Path
 
@@ -29,10 +28,9 @@ from glassworkbench.mold.mold import (
     single_solid,
 )
 from glassworkbench.mold.read import MESH_ENDINGS, STEP_ENDINGS, read_shape, sha256
+from glassworkbench.mold.step_entities import count_entities
 from glassworkbench.mold.units import declared_unit
 from glassworkbench.scene.validate import file_path
-
-STEP_ENTITY = re.compile(r"#\d+\s*=\s*([A-Z][A-Z0-9_]*)\s*\(")
 
 UNKNOWN = (
     "mesh_volume_mm3",
@@ -96,7 +94,7 @@ def inspect(
         "path": str(path),
         "sha256": sha256(path),
         "unit": unit,
-        "entities": dict(Counter(STEP_ENTITY.findall(text)).most_common()),
+        "entities": count_entities(text),
         "faces": dict(Counter(type(face.Surface).__name__ for face in shape.Faces).most_common()),
         "solids": len(shape.Solids),
         **dict.fromkeys(UNKNOWN),

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from glassworkbench.errors import GlassWorkbenchError, InputError
+from glassworkbench.errors import GlassWorkbenchError, InputError, OutOfTimeError
 from glassworkbench.mold import Mold
 from glassworkbench.mold.mold import moved
 from glassworkbench.scene.validate import positive
@@ -108,6 +108,7 @@ def hollow(
     attempts: list[Attempt] = []
     impossible: list[InputError] = []
     rejected: list[tuple[str, Attempted]] = []
+    out_of_time = False
     for rung in ladder(mold, asked) if method == "auto" else (Rung(method, 1.0),):
         begin = time.monotonic()
         share = rung.share * (limit - (begin - start))
@@ -123,6 +124,7 @@ def hollow(
         except GlassWorkbenchError as error:
             outcome, why = "failed", str(error)
             details = error.details if isinstance(error, NoCandidateError) else ()
+            out_of_time |= isinstance(error, OutOfTimeError) or getattr(error, "out_of_time", False)
         attempts.append(Attempt(rung.method, outcome, why, time.monotonic() - begin, details))
         if outcome == "accepted":
             return _container(mold, thickness, rung.method, attempted, attempts, tolerance, time.monotonic() - start)
@@ -134,16 +136,23 @@ def hollow(
     if impossible:
         raise impossible[-1]
     story = "; ".join(f"{made.method}: {made.why.removeprefix(f'{made.method}: ')}" for made in attempts)
-    remedy = (
-        "ask for another wall, a larger tolerance or more time, or take the best there is (accept_best=True)"
-        if rejected
-        else "ask for another wall or more time"
-    )
+    remedies = [
+        "another wall",
+        *(["method auto"] if method != "auto" else []),
+        *(["a larger tolerance"] if rejected else []),
+        # A mesh is the finer, the more time there is.
+        *(["more time"] if out_of_time or "inner_mesh" in dict(rejected) else []),
+    ]
+    best = ", or take the best there is (accept_best=True)" if rejected else ""
     raise HollowingError(
         tuple(attempts),
-        f"{mold.name}: no method gives a wall of {shortened(thickness)} mm within {tolerance:.3g} mm ({story}); "
-        f"{remedy}",
+        f"{mold.name}: no method gives the wall {_named(thickness)} within {tolerance:.3g} mm ({story}); "
+        f"ask for {' or '.join([', '.join(remedies[:-1]), remedies[-1]] if len(remedies) > 1 else remedies)}{best}",
     )
+
+
+def _named(thickness: Thickness) -> str:
+    return f"{shortened(thickness)} mm" if isinstance(thickness, UniformThickness) else shortened(thickness)
 
 
 def ladder(mold: Mold, asked: AskedThickness) -> tuple[Rung, ...]:
