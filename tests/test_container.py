@@ -200,8 +200,15 @@ def test_a_method_that_runs_out_of_time_is_an_outcome(square):
 
 
 def test_more_time_is_advised_only_where_it_ran_out(square):
-    with pytest.raises(HollowingError, match="gives the wall 0:6 100:2 within .*ask for another wall or method auto$"):
+    with pytest.raises(HollowingError, match=r"gives the wall 0:6 100:2 within .*ask for another wall or method auto$"):
         hollow(square, "0:6 100:2", method="thick_solid")
+
+
+def test_no_time_is_kept_from_a_loft_for_a_mesh_that_it_would_not_suffice_for():
+    loft = choose.Rung("lofted", 0.5)
+    assert choose.granted(loft, 20.0) == 20.0
+    assert choose.granted(loft, 100.0) == 50.0
+    assert choose.granted(choose.Rung("thick_solid", 0.15), 20.0) == 3.0
 
 
 def test_the_best_there_is_is_offered_where_there_is_one(square):

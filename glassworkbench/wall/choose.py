@@ -41,6 +41,12 @@ class Rung:
     share: float
 
 
+SHORTEST_MESHING_SECONDS = 15.0
+"""A level set of a wall that is hard to loft takes longer than this; time below it is better used for the loft."""
+
+SHORTEST_SECONDS = 1.0
+"""No method makes and measures anything in less."""
+
 ROUND = (Rung("revolved", 0.4), Rung("lofted", 0.5), Rung("thick_solid", 0.4), Rung("inner_mesh", 1.0))
 UNIFORM = (Rung("thick_solid", 0.15), Rung("lofted", 0.5), Rung("inner_mesh", 1.0))
 VARYING = (Rung("lofted", 0.5), Rung("inner_mesh", 1.0))
@@ -111,7 +117,10 @@ def hollow(
     out_of_time = False
     for rung in ladder(mold, asked) if method == "auto" else (Rung(method, 1.0),):
         begin = time.monotonic()
-        share = rung.share * (limit - (begin - start))
+        left = limit - (begin - start)
+        if attempts and left < SHORTEST_SECONDS:
+            break
+        share = granted(rung, left)
         attempted, details = None, ()
         try:
             attempted = run_in_worker(attempt, (mold, thickness, rung.method, tolerance, share), {}, share)
@@ -149,6 +158,13 @@ def hollow(
         f"{mold.name}: no method gives the wall {_named(thickness)} within {tolerance:.3g} mm ({story}); "
         f"ask for {' or '.join([', '.join(remedies[:-1]), remedies[-1]] if len(remedies) > 1 else remedies)}{best}",
     )
+
+
+def granted(rung: Rung, left_seconds: float) -> float:
+    """Return how long a rung may take: its share, but all there is where nothing useful would be left for a mesh."""
+    share = rung.share * left_seconds
+    useless = rung.method == "lofted" and left_seconds - share < SHORTEST_MESHING_SECONDS
+    return left_seconds if useless else share
 
 
 def _named(thickness: Thickness) -> str:
