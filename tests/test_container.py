@@ -204,6 +204,14 @@ def test_more_time_is_advised_only_where_it_ran_out(square):
         hollow(square, "0:6 100:2", method="thick_solid")
 
 
+def test_a_region_lower_than_its_wall_is_noted():
+    can = mold_from_shape(Part.makeCylinder(30, 100), "can")
+    low, high = can.anatomy.regions["heel"]
+    (note,) = [note for note in hollow(can, "body=2 heel=4").report.notes if "heel" in note]
+    assert note.startswith(f"heel=4 acts on the {high - low:.2g} mm")
+    assert not [note for note in hollow(can, "body=2 base=4").report.notes if "acts on" in note]
+
+
 def test_no_time_is_kept_from_a_loft_for_a_mesh_that_it_would_not_suffice_for():
     loft = choose.Rung("lofted", 0.5)
     assert choose.granted(loft, 20.0) == 20.0
