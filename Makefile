@@ -13,6 +13,7 @@ setup: ## Install what this machine lacks (Debian, Ubuntu)
 
 build: setup ## Build the native tracer and the native search for nearest points
 	@for room in tracer spatial; do \
+		echo "build: compiling what has changed in glassworkbench/$$room/native (all of it takes about a minute)"; \
 		cmake -S glassworkbench/$$room/native -B build/$$room -DCMAKE_BUILD_TYPE=Release >/dev/null && \
 		cmake --build build/$$room --parallel 2 >/dev/null || exit 1; \
 	done

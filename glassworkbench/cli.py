@@ -66,6 +66,10 @@ def main(arguments: Sequence[str]) -> int:
     except SystemExit as stop:
         # argparse leaves this way after --help and --version.
         return int(stop.code or DONE)
+    except BrokenPipeError:
+        # Who read the answer, as head does, has gone: Python would complain again when it flushes at the end.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return FAILED
     except InputError as error:
         return _told(error, BAD_INPUT, verbose)
     except KeyboardInterrupt:
@@ -219,7 +223,7 @@ def _hollow(options: argparse.Namespace) -> None:
     with _timed(spent, "reading"):
         mold = _mold(options)
     with _timed(spent, "hollowing"):
-        container = _hollowed(options, mold)
+        container = _hollowed(options, mold, started)
     report = container.report.to_json() | {"input": _input(options.mold), "version": __version__}
     if fill is not None:
         number, unit = fill
@@ -259,8 +263,8 @@ def _check_mesh_output(mold: str, output: Path) -> None:
         raise InputError(f"{output}: the container of a mesh is a mesh, too; let the name end in .stl")
 
 
-def _hollowed(options: argparse.Namespace, mold: object) -> object:
-    """Return the container; where no method makes it, leave a report of what was tried all the same."""
+def _hollowed(options: argparse.Namespace, mold: object, started: float) -> object:
+    """Return the container; where no method makes it, leave a report of what was tried, and how long, all the same."""
     from glassworkbench.wall import HollowingError
 
     limits = {"tolerance_mm": options.tolerance, "seconds": options.seconds, "accept_best": options.best}
@@ -269,7 +273,8 @@ def _hollowed(options: argparse.Namespace, mold: object) -> object:
     except HollowingError as error:
         if options.report is not None:
             tried = [attempt.to_json() for attempt in error.tried]
-            _write_report(options.report, {"method": None, "tried": tried, "input": _input(options.mold)})
+            report = {"method": None, "tried": tried, "input": _input(options.mold), "version": __version__}
+            _write_report(options.report, report | {"seconds": round(time.perf_counter() - started, 3)})
         raise
 
 

@@ -11,3 +11,7 @@ class InputError(GlassWorkbenchError):
 
 class Cancelled(GlassWorkbenchError):
     """The user stopped the work before it was done (exit code 1)."""
+
+
+class OutOfTimeError(GlassWorkbenchError):
+    """The computation was given too little time; with more it may succeed."""

@@ -7,7 +7,7 @@ import pytest
 
 from glassworkbench.errors import InputError
 from glassworkbench.freecad import FreeCAD, Part
-from glassworkbench.mold import mold_from_shape, read_mold
+from glassworkbench.mold import inspect, mold_from_shape, read_mold
 from glassworkbench.mold.cavity import cavity_of_block, looks_like_block
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -85,6 +85,35 @@ def test_solids_without_a_void_are_refused():
     boxes = Part.Compound([Part.makeBox(40, 40, 40), Part.makeBox(40, 40, 40, at(0, 0, 40))])
     with pytest.raises(InputError, match="enclose no void"):
         mold_from_shape(boxes, "boxes", block=True)
+
+
+def single_block(closed):
+    """A block of one solid around a bottle; the void of a closed one has no mouth."""
+    return Part.makeBox(100, 90, 145 if closed else 135, at(-50, -45, -15)).cut(bottle())
+
+
+@pytest.mark.parametrize("closed", [False, True])
+def test_a_block_of_one_solid_is_not_taken_for_a_container(tmp_path, closed):
+    with pytest.raises(InputError, match="block=True"):
+        mold_from_shape(single_block(closed), "block")
+    path = tmp_path / "block.brep"
+    single_block(closed).exportBrep(str(path))
+    found = inspect(path)
+    assert "block=True" in " ".join([*found["faults"], *found["notes"]])
+    assert (found["axis"] is None) == closed
+    found = inspect(path, block=True)
+    assert found["faults"] == []
+    assert found["notes"][0].startswith("the mold is the void in its solid;")
+
+
+def test_several_solids_that_look_like_a_block_are_said_to_be_one():
+    with pytest.raises(InputError, match="look like a mold block"):
+        mold_from_shape(Part.Compound(parts_of_a_blow_mold()), "block")
+
+
+def test_a_container_does_not_look_like_a_block():
+    outside, inside = Part.makeCylinder(30, 90), Part.makeCylinder(24, 90, at(0, 0, 12))
+    assert not looks_like_block(outside.cut(inside))
 
 
 def test_two_containers_side_by_side_are_no_block():

@@ -563,3 +563,15 @@ def test_errors_speak_of_the_options_of_the_command_line(tmp_path, capsys):
         assert not re.search(r"=True|_mm\b", " ".join(json.loads(capsys.readouterr().out)["faults"]))
     assert main(["render", WINE_BOTTLE, "-o", str(tmp_path / "x.png")]) == 2
     assert "--wall 3" in capsys.readouterr().err
+
+
+def test_a_reader_that_leaves_early_is_no_error():
+    reading, writing = os.pipe()
+    os.close(reading)
+    program = "import sys; from glassworkbench.cli import main; sys.exit(main(['stations', '--json']))"
+    with os.fdopen(writing, "wb") as answer:
+        done = subprocess.run(
+            [shutil.which("python3", path="/usr/bin"), "-c", program], cwd=ROOT, stdout=answer, stderr=subprocess.PIPE
+        )
+    assert done.returncode == 1
+    assert done.stderr == b""

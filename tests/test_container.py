@@ -196,6 +196,27 @@ def test_a_method_that_runs_out_of_time_is_an_outcome(square):
     with pytest.raises(GlassWorkbenchError, match="did not finish within") as caught:
         hollow(square, 3, seconds=0.05)
     assert "best" not in str(caught.value)
+    assert str(caught.value).endswith("ask for another wall or more time")
+
+
+def test_more_time_is_advised_only_where_it_ran_out(square):
+    with pytest.raises(HollowingError, match=r"gives the wall 0:6 100:2 within .*ask for another wall or method auto$"):
+        hollow(square, "0:6 100:2", method="thick_solid")
+
+
+def test_a_region_lower_than_its_wall_is_noted():
+    can = mold_from_shape(Part.makeCylinder(30, 100), "can")
+    low, high = can.anatomy.regions["heel"]
+    (note,) = [note for note in hollow(can, "body=2 heel=4").report.notes if "heel" in note]
+    assert note.startswith(f"heel=4 acts on the {high - low:.2g} mm")
+    assert not [note for note in hollow(can, "body=2 base=4").report.notes if "acts on" in note]
+
+
+def test_no_time_is_kept_from_a_loft_for_a_mesh_that_it_would_not_suffice_for():
+    loft = choose.Rung("lofted", 0.5)
+    assert choose.granted(loft, 20.0) == 20.0
+    assert choose.granted(loft, 100.0) == 50.0
+    assert choose.granted(choose.Rung("thick_solid", 0.15), 20.0) == 3.0
 
 
 def test_the_best_there_is_is_offered_where_there_is_one(square):

@@ -228,5 +228,5 @@ def test_a_solid_that_is_inside_out_is_turned_and_told(tmp_path):
     mold = read_mold(path)
     assert mold.solid.Volume > 0.0
     assert mold.repairs == ("it was inside out: its faces were turned outward",)
-    assert mold.repairs[0] in inspect(path)["faults"]
+    assert mold.repairs[0] in inspect(path)["notes"]
     assert inspect(MOLDS / "jar.step")["faults"] == []

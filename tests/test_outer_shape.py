@@ -9,6 +9,7 @@ from glassworkbench.errors import InputError
 from glassworkbench.freecad import FreeCAD, Part
 from glassworkbench.mold import mold_from_shape, outside_mesh, read_mold
 from glassworkbench.mold.measures import crossings_on_axis
+from glassworkbench.wall.asking.thickness_text import parse_thickness
 
 CONTAINERS = Path(__file__).resolve().parents[2] / "shared" / "molds"
 UP = FreeCAD.Vector(0, 0, 1)
@@ -101,3 +102,33 @@ def test_the_outside_of_a_real_container_is_a_mold(name, height_mm):
     assert np.any(faces == mold.anatomy.finish_face)
     # Nothing of the inside is left: on the way down from the mouth nothing is met before the base.
     assert crossings_on_axis(mesh.vertices_mm, mesh.triangles) == pytest.approx([0.0, height_mm], abs=1e-3)
+
+
+def kinds_in_file(mold, shape):
+    """Return the areas of the mold's faces beside those of the file's faces that they are said to be."""
+    numbered = zip(mold.solid.Faces, mold.file_faces, strict=True)
+    return [(face.Area, shape.Faces[number - 1].Area) for face, number in numbered if number]
+
+
+def test_the_faces_of_an_outer_shape_keep_the_numbers_of_the_file():
+    container = turned(tumbler())
+    mold = mold_from_shape(container, "tumbler", outer_shell=True)
+    finish = mold.anatomy.finish_face
+    assert sorted(mold.file_faces) == sorted(set(mold.file_faces) - {0})
+    rim = container.Faces[mold.file_faces[finish - 1] - 1]
+    assert rim.Area == pytest.approx(np.pi * (RADIUS**2 - (RADIUS - WALL) ** 2))
+    areas = [pair for number, pair in enumerate(kinds_in_file(mold, container), start=1) if number != finish]
+    assert len(areas) == 2
+    for own, in_file in areas:
+        assert own == pytest.approx(in_file)
+
+
+def test_a_wall_by_face_of_an_outer_shape_counts_the_files_faces():
+    container = tumbler()
+    base = next(n for n, face in enumerate(container.Faces, start=1) if abs(face.CenterOfMass.z) < 1e-9)
+    mold = mold_from_shape(container, "tumbler", outer_shell=True)
+    asked = parse_thickness(f"Face{base}=5 else=2").on(mold)
+    assert [asked.by_face.thicknesses_mm[k] for k, n in enumerate(mold.file_faces, start=1) if n == base] == [5.0]
+    inside = next(n for n in range(1, len(container.Faces) + 1) if n not in mold.file_faces)
+    with pytest.raises(InputError, match="no such face outside"):
+        parse_thickness(f"Face{inside}=5 else=2").on(mold)

@@ -10,6 +10,7 @@ from glassworkbench.freecad import FreeCAD, Part
 from glassworkbench.mold import read_mold
 from glassworkbench.mold.patches import face_patches, locate
 from glassworkbench.mold.read import read_shape
+from glassworkbench.mold.step_entities import count_entities
 
 TURN = 2.0 * np.pi
 HEAD = """ISO-10303-21;
@@ -299,3 +300,12 @@ def test_mesh_nodes_of_a_mold_are_found_on_its_patches(name):
         nodes = np.array([tuple(face.Surface.value(*uv)) for uv in parameters])
         patches = face_patches(face)
         assert np.linalg.norm(patches.points(*locate(patches, nodes, parameters)) - nodes, axis=1).max() < 1e-9
+
+
+def test_an_instance_of_several_types_counts_once_as_what_it_is():
+    data = """#1=( BOUNDED_SURFACE() B_SPLINE_SURFACE(3,3,((#2,#3),(#4,#5)),.U.,.F.)
+    GEOMETRIC_REPRESENTATION_ITEM() RATIONAL_B_SPLINE_SURFACE(((1.,1.),(1.,0.7)))
+    REPRESENTATION_ITEM('a;)') SURFACE() );
+    #6=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.));
+    #7=PLANE('#8=PLANE(',#9); /* #10=PLANE('',#9); */ #11 = PLANE ('it''s',#9);"""
+    assert count_entities(data) == {"PLANE": 2, "RATIONAL_B_SPLINE_SURFACE": 1, "LENGTH_UNIT+NAMED_UNIT+SI_UNIT": 1}

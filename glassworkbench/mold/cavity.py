@@ -10,8 +10,8 @@ import numpy as np
 
 from glassworkbench.errors import InputError
 from glassworkbench.freecad import FreeCAD, Part
-from glassworkbench.mold.axis import Standing, axis_lines
-from glassworkbench.mold.measures import crossings_on_axis, mesh_of
+from glassworkbench.mold.axis import Standing, axis_lines, is_hollow, to_upright
+from glassworkbench.mold.measures import crossings_on_axis, mesh_of, signed_volume, smallest_box
 from glassworkbench.mold.placing import moved, placement_of
 
 AXIS_REACH_SHARE = 0.02
@@ -22,6 +22,9 @@ MOST_CORES = 2
 
 SMALLEST_VOID_SHARE = 0.01
 """A void below this share of the box around the block is a bore or a clearance, not a container."""
+
+STEEL_SHARE = 0.5
+"""A hollow solid that fills more than this share of the box around it is rather a block of steel than a glass."""
 
 CORE_FIT = 0.97
 """A shoulder of a core that is at least this share of the void's radius closes it: there the container ends."""
@@ -53,15 +56,35 @@ def cavity_of_block(block: Part.Shape) -> Part.Shape:
 
 
 def looks_like_block(shape: Part.Shape) -> bool:
-    """Return whether several solids of a shape touch and lie around one axis, as the parts of a mold block do."""
-    if len(shape.Solids) < 2:
+    """Return whether several solids of a shape touch and lie around one axis, as the parts of a mold block do.
+
+    One solid looks like a block, too, where it is hollow (see `axis.is_hollow`) and its void is closed all around or
+    small beside it.
+    """
+    if not shape.Solids:
         return False
     vertices, triangles = mesh_of(shape)
+    if len(shape.Solids) == 1:
+        return _is_hollow_block(shape.Solids[0], vertices, triangles)
     line = axis_lines(shape, vertices, triangles)[0]
     upright = moved(shape, np.linalg.inv(placement_of(Standing(*line, 0), vertices)))
     parts, _ = _around_axis(upright.Solids)
     reach = 1e-3 * shape.BoundBox.DiagonalLength
     return any(a.distToShape(b)[0] < reach for a, b in itertools.combinations(parts, 2))
+
+
+def _is_hollow_block(solid: Part.Shape, vertices: np.ndarray, triangles: np.ndarray) -> bool:
+    direction, point = axis_lines(solid, vertices, triangles)[0]
+    standing = Standing(direction, point, 0)
+    if not is_hollow(standing, vertices, triangles):
+        return False
+    box_mm3 = smallest_box(to_upright(vertices, standing))
+    return is_closed_around(solid) or signed_volume(vertices, triangles) > STEEL_SHARE * box_mm3
+
+
+def is_closed_around(solid: Part.Shape) -> bool:
+    """Return whether a hollow solid's void has no mouth."""
+    return len(solid.Shells) > 1
 
 
 def find_cavity(block: Part.Shape) -> Cavity:
@@ -184,7 +207,10 @@ def _told(solids: int, taken: int, beside: int, cores: int, shoulder_mm: float |
     left_out = [f"{beside} beside the axis (bolts, pins)"] if beside else []
     if cores:
         left_out.append(f"{cores} that {'stands' if cores == 1 else 'stand'} in it (the core)")
-    told = f"the mold is the void that {taken} of the file's {solids} solids enclose"
+    if taken == solids:
+        told = f"the mold is the void {'in its solid' if solids == 1 else f'that its {solids} solids enclose'}"
+    else:
+        told = f"the mold is the void that {taken} of its {solids} solids {'encloses' if taken == 1 else 'enclose'}"
     if left_out:
         told += f", without {' and '.join(left_out)}"
     if shoulder_mm is not None:

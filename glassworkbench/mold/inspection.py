@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from collections import Counter
 from pathlib import Path
 
@@ -13,18 +12,25 @@ from glassworkbench.errors import InputError
 from glassworkbench.freecad import Part
 from glassworkbench.mold.anatomy import Anatomy
 from glassworkbench.mold.axis import Standing, find_standing, is_hollow, to_upright
-from glassworkbench.mold.cavity import looks_like_block
+from glassworkbench.mold.cavity import is_closed_around
 from glassworkbench.mold.closing import closed_solid
 from glassworkbench.mold.faults import faults
 from glassworkbench.mold.files import read_mesh_mm
 from glassworkbench.mold.measures import mesh_of, signed_volume
 from glassworkbench.mold.mesh_mold import mold_from_mesh
-from glassworkbench.mold.mold import INSIDE_OUT, Mold, faces_inward, mold_from_shape, outward, single_solid
+from glassworkbench.mold.mold import (
+    INSIDE_OUT,
+    Mold,
+    already_hollow,
+    faces_inward,
+    mold_from_shape,
+    outward,
+    single_solid,
+)
 from glassworkbench.mold.read import MESH_ENDINGS, STEP_ENDINGS, read_shape, sha256
+from glassworkbench.mold.step_entities import count_entities
 from glassworkbench.mold.units import declared_unit
 from glassworkbench.scene.validate import file_path
-
-STEP_ENTITY = re.compile(r"#\d+\s*=\s*([A-Z][A-Z0-9_]*)\s*\(")
 
 UNKNOWN = (
     "mesh_volume_mm3",
@@ -69,8 +75,9 @@ def inspect(
     -------
     dict
         path, sha256, unit, solids, `entities` (count by type, of a STEP file), `faces` (count by surface), `faults`
-        (sentences), and those of `UNKNOWN` that can be found. Of a container that is already hollow they are those of
-        its outside; where inside and outside cannot be parted, only axis, base and heights.
+        (sentences on what is wrong), `notes` (sentences on what was taken for the mold, and what else may be), and
+        those of `UNKNOWN` that can be found. Of a container that is already hollow they are those of its outside; where
+        inside and outside cannot be parted, only axis, base and heights.
 
     Raises
     ------
@@ -87,33 +94,32 @@ def inspect(
         "path": str(path),
         "sha256": sha256(path),
         "unit": unit,
-        "entities": dict(Counter(STEP_ENTITY.findall(text)).most_common()),
+        "entities": count_entities(text),
         "faces": dict(Counter(type(face.Surface).__name__ for face in shape.Faces).most_common()),
         "solids": len(shape.Solids),
         **dict.fromkeys(UNKNOWN),
         "faults": faults(shape, unit),
+        "notes": [],
     }
     try:
-        if looks_like_block(shape) and not block:
-            raise InputError(
-                f"it holds {len(shape.Solids)} solids that look like a mold block; "
-                "take the void in them as the mold (block=True)"
-            )
         if block or finish_height_mm is not None:
             options = {"block": block, "close_open_shell": close_open_shell, "finish_height_mm": finish_height_mm}
             mold = mold_from_shape(shape, path.stem, outer_shell=outer_shell, **options)
             return _with_mold(found | {"hollow": False}, mold)
         if close_open_shell:
             shape, repairs = closed_solid(shape)
-            found["faults"] += repairs
+            found["notes"] += repairs
         if faces_inward(shape):
-            found["faults"].append(INSIDE_OUT)
+            found["notes"].append(INSIDE_OUT)
         solid, vertices, triangles = outward(single_solid(shape))
         found["mesh_volume_mm3"] = signed_volume(vertices, triangles)
         standing = find_standing(solid, vertices, triangles)
         found["hollow"] = is_hollow(standing, vertices, triangles)
         if found["hollow"] and not outer_shell:
-            return found | _hollow_container(solid, standing, vertices, found["faults"])
+            if is_closed_around(solid):
+                raise InputError(already_hollow(solid))
+            found["notes"].append(already_hollow(solid))
+            return _with_outside(found, solid, standing, vertices)
         return _with_mold(found, mold_from_shape(solid, path.stem, outer_shell=outer_shell))
     except InputError as error:
         found["faults"].append(str(error))
@@ -131,6 +137,7 @@ def _inspect_mesh(path: Path, scale_to_mm: float | None, outer_shell: bool, clos
         "solids": 0,
         **dict.fromkeys(UNKNOWN),
         "faults": [],
+        "notes": [],
     }
     try:
         options = {"outer_shell": outer_shell, "close_open_shell": close_open_shell}
@@ -141,7 +148,7 @@ def _inspect_mesh(path: Path, scale_to_mm: float | None, outer_shell: bool, clos
 
 
 def _with_mold(found: dict, mold: Mold) -> dict:
-    told = {"faults": [*found["faults"], *mold.repairs]}
+    told = {"notes": [*found["notes"], *mold.repairs]}
     return found | {"mesh_volume_mm3": _volume_mm3(mold)} | _full_mold(mold) | told
 
 
@@ -159,7 +166,7 @@ def _full_mold(mold: Mold) -> dict:
         "height_mm": anatomy.height_mm,
         "finish_height_mm": anatomy.finish_height_mm,
         "finish_outer_radius_mm": anatomy.finish_outer_radius_mm,
-        "finish_face": anatomy.finish_face or None,
+        "finish_face": (mold.file_faces[anatomy.finish_face - 1] or None) if anatomy.finish_face else None,
         "push_up_mm": anatomy.push_up_mm,
         "departure_mm": anatomy.departure_mm,
         "departure_at": {"height_mm": float(anatomy.departure_at_mm[2]), "angle_deg": _angle_deg(anatomy)},
@@ -176,13 +183,13 @@ def _angle_deg(anatomy: Anatomy) -> float:
     return float(np.round(np.degrees(np.arctan2(y, x)), 6) % 360.0)
 
 
-def _hollow_container(solid: Part.Shape, standing: Standing, vertices_mm: np.ndarray, told: list[str]) -> dict:
+def _with_outside(found: dict, solid: Part.Shape, standing: Standing, vertices_mm: np.ndarray) -> dict:
     rim = {"finish_face": standing.finish_face or None}
     try:
         mold = mold_from_shape(solid, "", outer_shell=True)
     except InputError as error:
-        return _heights(standing, vertices_mm) | rim | {"faults": [*told, str(error)]}
-    return _full_mold(mold) | rim | {"faults": [*told, *mold.repairs]}
+        return found | _heights(standing, vertices_mm) | rim | {"faults": [*found["faults"], str(error)]}
+    return found | _full_mold(mold) | rim | {"notes": [*found["notes"], *mold.repairs]}
 
 
 def _heights(standing: Standing, vertices_mm: np.ndarray) -> dict:

@@ -67,12 +67,14 @@ def _told(found: Mapping) -> Iterator[tuple[str, list[str]]]:
     if found["mesh_volume_mm3"] is not None:
         yield "volume", [f"{number(found['mesh_volume_mm3'])} mm3"]
     if found["hollow"] is not None:
-        yield "hollow", ["yes; the mold can be its outside (outer_shell=True)" if found["hollow"] else "no"]
+        yield "hollow", ["yes" if found["hollow"] else "no"]
     if found["axis"] is None:
         yield "container", ["not found; the faults tell why"]
     else:
         yield from _container(found)
     yield "faults", [f"- {sentence}" for sentence in found["faults"]] or ["none"]
+    if found["notes"]:
+        yield "notes", [f"- {sentence}" for sentence in found["notes"]]
 
 
 def _container(found: Mapping) -> Iterator[tuple[str, list[str]]]:

@@ -56,6 +56,13 @@ def smallest_width(vertices_mm: np.ndarray) -> float:
     return float(np.ptp(vertices_mm[:, :2] @ np.array([np.cos(angles), np.sin(angles)]), axis=0).min())
 
 
+def smallest_box(vertices_mm: np.ndarray) -> float:
+    """Return the volume (mm^3) of the smallest upright box that holds all points (n, 3), its turn to half a degree."""
+    angles = np.linspace(0.0, np.pi, 360, endpoint=False)
+    widths = np.ptp(vertices_mm[:, :2] @ np.array([np.cos(angles), np.sin(angles)]), axis=0)
+    return float((widths * np.roll(widths, 180)).min() * np.ptp(vertices_mm[:, 2]))
+
+
 def distance_to_polyline(points_mm: np.ndarray, polyline_mm: np.ndarray) -> np.ndarray:
     """Return the distance (n,) of each point (n, 2) to a polyline (m, 2)."""
     nearest = np.full(len(points_mm), np.inf)

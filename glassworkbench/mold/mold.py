@@ -11,12 +11,10 @@ from glassworkbench.errors import InputError
 from glassworkbench.freecad import FreeCAD, Part
 from glassworkbench.mold.anatomy import Anatomy
 from glassworkbench.mold.axis import Standing, axis_lines, find_standing, is_hollow, to_upright
-from glassworkbench.mold.cavity import find_cavity
+from glassworkbench.mold.cavity import find_cavity, is_closed_around, looks_like_block
 from glassworkbench.mold.closing import closed_solid
-from glassworkbench.mold.measures import (
-    mesh_of,
-    signed_volume,
-)
+from glassworkbench.mold.face_numbers import numbers_in_file
+from glassworkbench.mold.measures import mesh_of, signed_volume
 from glassworkbench.mold.meridian import ROUND_MM, chain, face_profiles, flattened
 from glassworkbench.mold.outer_shape import outer_shape, outer_shape_within_crest
 from glassworkbench.mold.placing import moved, placement_of
@@ -57,6 +55,8 @@ class Mold:
         The upright body of a mold that was read from a mesh, closed; None for one of CAD faces.
     repairs : tuple of str
         A sentence for each thing that was changed of what the file holds, to make it a mold.
+    file_faces : tuple of int
+        For each face of the solid, the 1-based number in what the file holds, 0 where that has none; empty for a mesh.
     """
 
     solid: Part.Shape | None
@@ -69,6 +69,7 @@ class Mold:
     core: np.ndarray | None = None
     mesh: Mesh | None = None
     repairs: tuple[str, ...] = ()
+    file_faces: tuple[int, ...] = ()
 
     @property
     def is_nearly_round(self) -> bool:
@@ -112,6 +113,7 @@ def mold_from_shape(
         As `read_mold`.
     """
     repairs: list[str] = [INSIDE_OUT] if faces_inward(shape) else []
+    file_shape, rim_face = shape, 0
     if block:
         cavity = find_cavity(shape)
         shape = cavity.solid
@@ -127,10 +129,8 @@ def mold_from_shape(
     standing = find_standing(solid, vertices, triangles, axis=axis, up=up)
     if is_hollow(standing, vertices, triangles):
         if not outer_shell:
-            raise InputError(
-                "it is already hollow; leave the wall away to render it as it is, "
-                "or take its outside as the mold (outer_shell=True) to hollow that anew"
-            )
+            raise InputError(already_hollow(solid))
+        rim_face = numbers_in_file(solid, file_shape)[standing.finish_face - 1] if standing.finish_face else 0
         solid, told = _outer_solid(solid, standing, vertices)
         repairs += told
         solid, vertices, triangles = outward(solid)
@@ -142,7 +142,26 @@ def mold_from_shape(
     if core is None:
         core = chain(face_profiles(upright.Faces, ROUND_MM), ROUND_MM)
     anatomy = survey(standing, placement, to_upright(vertices, standing), triangles, profiles, core)
-    return Mold(solid, upright, placement, anatomy, name, core=core, repairs=tuple(repairs))
+    numbers = numbers_in_file(solid, file_shape)
+    if rim_face:
+        # The new face over the rim and the mouth stands for the rim.
+        numbers = tuple(rim_face if k == anatomy.finish_face else n for k, n in enumerate(numbers, start=1))
+    return Mold(solid, upright, placement, anatomy, name, core=core, repairs=tuple(repairs), file_faces=numbers)
+
+
+def already_hollow(solid: Part.Shape) -> str:
+    """Return what a hollow solid is, and what can be done with it, in a sentence."""
+    if not looks_like_block(solid):
+        return (
+            "it is already hollow; leave the wall away to render it as it is, "
+            "or take its outside as the mold (outer_shell=True) to hollow that anew"
+        )
+    if is_closed_around(solid):
+        return "it is one solid around a void, as a mold block is; take the void in it as the mold (block=True)"
+    return (
+        "it is one solid that looks like a mold block; take the void in it as the mold (block=True), "
+        "or its outside (outer_shell=True) if it is a container with so thick a wall"
+    )
 
 
 def _outer_solid(solid: Part.Shape, standing: Standing, vertices_mm: np.ndarray) -> tuple[Part.Shape, tuple[str, ...]]:
@@ -203,6 +222,11 @@ def single_solid(shape: Part.Shape) -> Part.Shape:
     """
     if shape.isNull() or not shape.Faces:
         raise InputError("it is empty; choose something that holds a solid")
+    if len(shape.Solids) > 1 and looks_like_block(shape):
+        raise InputError(
+            f"it holds {len(shape.Solids)} solids that look like a mold block; "
+            "take the void in them as the mold (block=True)"
+        )
     if len(shape.Solids) > 1:
         raise InputError(
             f"it holds {len(shape.Solids)} solids, but a mold is one; join them, or export only the container's, "

@@ -46,7 +46,9 @@ def read_shape(
             shape = _read_document(path, made_container) if path.suffix.lower() == ".fcstd" else Part.read(str(path))
             empty = shape.isNull() or not shape.Faces
     except (Part.OCCError, OSError, RuntimeError, ValueError) as error:
-        raise InputError(f"{path}: it cannot be read as a CAD file; it is damaged or of another kind") from error
+        raise InputError(
+            f"{path}: it cannot be read as a CAD file; it is damaged or of another kind; export it again"
+        ) from error
     if empty:
         raise InputError(f"{path}: it holds no surface that could be a container; export the container as a solid")
     if scale_to_mm is not None:

@@ -50,8 +50,11 @@ def read_triangles(path: str | Path) -> tuple[np.ndarray, np.ndarray, np.ndarray
         raise InputError(f"{path}: a mesh must end in {', '.join(readers)}")
     if not path.is_file():
         raise InputError(f"{path}: there is no such file; check the path")
+    data = path.read_bytes()
+    if not data.strip():
+        raise InputError(f"{path}: the file is empty; export it again")
     try:
-        return readers[path.suffix.lower()](path.read_bytes())
+        return readers[path.suffix.lower()](data)
     except (ValueError, IndexError, KeyError, struct.error) as error:
         raise InputError(f"{path}: not a mesh that can be read ({error})") from error
 

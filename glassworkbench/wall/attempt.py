@@ -14,6 +14,7 @@ from glassworkbench.mold.faults import near
 from glassworkbench.mold.self_intersection import faces_cross, intersections, self_intersections
 from glassworkbench.mold.tessellation import outside_mesh
 from glassworkbench.scene import Mesh
+from glassworkbench.wall.asking.narrow_regions import notes_on_narrow_regions
 from glassworkbench.wall.asking.thickness import Thickness
 from glassworkbench.wall.candidate import Candidate, HopelessError, Method
 from glassworkbench.wall.container import SolidFacts
@@ -104,7 +105,10 @@ def attempt(mold: Mold, thickness: Thickness, method: str, tolerance_mm: float, 
     outer, faces = outside_mesh(mold, min(DEVIATION_MM, DEVIATION_SHARE * asked.minimum_mm))
     _check_simple(mold, outer)
     wall = outside_as_meshed(mold, outer, faces, asked.at)
-    told = note_on_swallowed(wall, mold.anatomy.stem_top_mm)
+    told = (
+        *notes_on_narrow_regions(thickness, mold.anatomy),
+        *note_on_swallowed(wall, mold.anatomy.stem_top_mm),
+    )
     candidate = MAKERS[method](mold, asked, wall, MAKING_SHARE * (seconds - (time.monotonic() - begin)))
     candidate = replace(candidate, notes=(*candidate.notes, *told))
     measured = measure_wall(candidate.inside, wall, stem_top_mm=mold.anatomy.stem_top_mm)

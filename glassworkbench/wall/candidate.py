@@ -78,8 +78,12 @@ class HopelessError(InputError):
 
 
 class NoCandidateError(GlassWorkbenchError):
-    """A method that tries several ways came to the end of them; `details` tells how each fared, one line each."""
+    """A method that tries several ways came to the end of them, or of its time.
 
-    def __init__(self, message: str, details: tuple[str, ...] = ()) -> None:
+    `details` tells how each fared, one line each.
+    """
+
+    def __init__(self, message: str, details: tuple[str, ...] = (), out_of_time: bool = False) -> None:
         super().__init__(message)
         self.details = details
+        self.out_of_time = out_of_time

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from glassworkbench.errors import GlassWorkbenchError, InputError
+from glassworkbench.errors import GlassWorkbenchError, InputError, OutOfTimeError
 from glassworkbench.mold import Mold
 from glassworkbench.mold.mold import moved
 from glassworkbench.scene.validate import positive
@@ -40,6 +40,12 @@ class Rung:
     method: str
     share: float
 
+
+SHORTEST_MESHING_SECONDS = 15.0
+"""A level set of a wall that is hard to loft takes longer than this; time below it is better used for the loft."""
+
+SHORTEST_SECONDS = 1.0
+"""No method makes and measures anything in less."""
 
 ROUND = (Rung("revolved", 0.4), Rung("lofted", 0.5), Rung("thick_solid", 0.4), Rung("inner_mesh", 1.0))
 UNIFORM = (Rung("thick_solid", 0.15), Rung("lofted", 0.5), Rung("inner_mesh", 1.0))
@@ -108,9 +114,13 @@ def hollow(
     attempts: list[Attempt] = []
     impossible: list[InputError] = []
     rejected: list[tuple[str, Attempted]] = []
+    out_of_time = False
     for rung in ladder(mold, asked) if method == "auto" else (Rung(method, 1.0),):
         begin = time.monotonic()
-        share = rung.share * (limit - (begin - start))
+        left = limit - (begin - start)
+        if attempts and left < SHORTEST_SECONDS:
+            break
+        share = granted(rung, left)
         attempted, details = None, ()
         try:
             attempted = run_in_worker(attempt, (mold, thickness, rung.method, tolerance, share), {}, share)
@@ -123,6 +133,7 @@ def hollow(
         except GlassWorkbenchError as error:
             outcome, why = "failed", str(error)
             details = error.details if isinstance(error, NoCandidateError) else ()
+            out_of_time |= isinstance(error, OutOfTimeError) or getattr(error, "out_of_time", False)
         attempts.append(Attempt(rung.method, outcome, why, time.monotonic() - begin, details))
         if outcome == "accepted":
             return _container(mold, thickness, rung.method, attempted, attempts, tolerance, time.monotonic() - start)
@@ -134,16 +145,30 @@ def hollow(
     if impossible:
         raise impossible[-1]
     story = "; ".join(f"{made.method}: {made.why.removeprefix(f'{made.method}: ')}" for made in attempts)
-    remedy = (
-        "ask for another wall, a larger tolerance or more time, or take the best there is (accept_best=True)"
-        if rejected
-        else "ask for another wall or more time"
-    )
+    remedies = [
+        "another wall",
+        *(["method auto"] if method != "auto" else []),
+        *(["a larger tolerance"] if rejected else []),
+        # A mesh is the finer, the more time there is.
+        *(["more time"] if out_of_time or "inner_mesh" in dict(rejected) else []),
+    ]
+    best = ", or take the best there is (accept_best=True)" if rejected else ""
     raise HollowingError(
         tuple(attempts),
-        f"{mold.name}: no method gives a wall of {shortened(thickness)} mm within {tolerance:.3g} mm ({story}); "
-        f"{remedy}",
+        f"{mold.name}: no method gives the wall {_named(thickness)} within {tolerance:.3g} mm ({story}); "
+        f"ask for {' or '.join([', '.join(remedies[:-1]), remedies[-1]] if len(remedies) > 1 else remedies)}{best}",
     )
+
+
+def granted(rung: Rung, left_seconds: float) -> float:
+    """Return how long a rung may take: its share, but all there is where nothing useful would be left for a mesh."""
+    share = rung.share * left_seconds
+    useless = rung.method == "lofted" and left_seconds - share < SHORTEST_MESHING_SECONDS
+    return left_seconds if useless else share
+
+
+def _named(thickness: Thickness) -> str:
+    return f"{shortened(thickness)} mm" if isinstance(thickness, UniformThickness) else shortened(thickness)
 
 
 def ladder(mold: Mold, asked: AskedThickness) -> tuple[Rung, ...]:

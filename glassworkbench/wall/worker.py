@@ -19,7 +19,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from glassworkbench.errors import GlassWorkbenchError, InputError
+from glassworkbench.errors import GlassWorkbenchError, InputError, OutOfTimeError
 from glassworkbench.wall.parcel import pack, unpack
 
 MEMORY_BYTES = 4 << 30
@@ -132,7 +132,7 @@ def _wait(folder: Path, seconds: float) -> int:
             return process.wait(timeout=max(seconds, 0.0))
         except subprocess.TimeoutExpired as error:
             _kill(process)
-            raise GlassWorkbenchError(f"it did not finish within {seconds:.3g} s and was stopped") from error
+            raise OutOfTimeError(f"it did not finish within {seconds:.3g} s and was stopped") from error
         except BaseException:
             _kill(process)
             raise

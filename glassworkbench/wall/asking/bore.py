@@ -60,7 +60,18 @@ def bore_in(mold: Mold, diameter_mm: float) -> Bore:
 
     The cylinder reaches through the whole finish. Below, it blends into the wall over the finish's own height, but
     not beyond the region under it.
+
+    Raises
+    ------
+    InputError
+        If the finish is no wider than the bore.
     """
+    width = 2.0 * mold.anatomy.finish_outer_radius_mm
+    if diameter_mm >= width:
+        raise InputError(
+            f"wall bore: {diameter_mm:g} mm leaves no glass in the finish, which is only {width:.4g} mm wide outside; "
+            "ask for a narrower bore"
+        )
     regions = mold.anatomy.regions
     low, high = regions["finish"]
     below = max((region for region in regions.values() if region[1] <= low), default=(0.0, low))

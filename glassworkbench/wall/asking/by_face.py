@@ -102,7 +102,7 @@ def thickness_by_face(mold: Mold, named_mm: Mapping[int, float], otherwise_mm: f
     ----------
     mold : Mold
     named_mm : mapping of int to float
-        By the 1-based number of the face in the mold's solid.
+        By the 1-based number of the face in what the file holds; see `Mold.file_faces`.
     otherwise_mm : float
         Of all the others.
 
@@ -115,19 +115,29 @@ def thickness_by_face(mold: Mold, named_mm: Mapping[int, float], otherwise_mm: f
         raise InputError(
             f"wall: {mold.name} is a mesh and has no CAD faces; name regions, or give a table over height and angle"
         )
-    count = len(mold.upright.Faces)
-    for number in named_mm:
-        if number > count:
-            raise InputError(f"wall Face{number}: {mold.name} has only {count} faces; give a number up to {count}")
-        if number == mold.anatomy.finish_face:
-            raise InputError(f"wall Face{number}: it closes the mouth, where no wall is; name another face")
-    thicknesses = np.full(count + 1, float(otherwise_mm))
+    numbers = np.array([0, *mold.file_faces])
+    mouth = mold.anatomy.finish_face
+    outside = [number for number in sorted(set(numbers)) if number not in (0, numbers[mouth])]
+    thicknesses = np.full(len(numbers), float(otherwise_mm))
     for number, thickness in named_mm.items():
-        thicknesses[number] = thickness
+        if number == numbers[mouth]:
+            raise InputError(f"wall Face{number}: it closes the mouth, where no wall is; name another face")
+        if number not in outside:
+            raise InputError(
+                f"wall Face{number}: {mold.name} has no such face outside; its faces are {_ranges(outside)}"
+            )
+        thicknesses[numbers == number] = thickness
     # The mouth has no thickness to blend into.
     edges = [edge for edge in _smooth_edges(mold.upright) if mold.anatomy.finish_face not in edge[:2]]
     blends = [_blend(group, edges, thicknesses) for group in _groups(edges) if len(set(thicknesses[group])) > 1]
     return ByFace(thicknesses, tuple(blends))
+
+
+def _ranges(numbers: list[int]) -> str:
+    """Return ascending numbers in short, as 1 to 4, 7."""
+    starts = [number for number in numbers if number - 1 not in numbers]
+    ends = [number for number in numbers if number + 1 not in numbers]
+    return ", ".join(f"{a}" if a == b else f"{a} to {b}" for a, b in zip(starts, ends, strict=True))
 
 
 def _smooth_edges(shape: Part.Shape) -> list[tuple[int, int, Part.Edge]]:

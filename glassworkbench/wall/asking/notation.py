@@ -18,6 +18,8 @@ def number_in(text: str, field: str) -> float:
     InputError
         If it is none; the message names `field`.
     """
+    if not text.strip():
+        raise InputError(f"{field}: it is empty; give a number, like 2.5")
     match = re.fullmatch(r"(.+?)\s*(?:mm)?", text)
     try:
         return float(match[1].replace(",", "."))

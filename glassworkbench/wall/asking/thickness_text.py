@@ -141,9 +141,7 @@ def _by_name(words: list[str], known: Sequence[str]) -> RegionalThickness | Face
 def _unknown_region(name: str, regions: Sequence[str]) -> InputError:
     number = re.search(r"\d+", name)
     meant = nearest_name(name, (*regions, f"Face{number[0]}" if number else "Face", "else", "bore"))
-    hint = (
-        f"there is {', '.join(regions)}; faces are Face1, Face2 and so on, with else= for all others"
-        if meant is None
-        else f"did you mean {meant!r}?"
+    hint = f"there is {', '.join(regions)}; " + (
+        "faces are Face1, Face2 and so on, with else= for all others" if meant is None else f"did you mean {meant!r}?"
     )
     return InputError(f"wall region {name!r} is not known; {hint}")

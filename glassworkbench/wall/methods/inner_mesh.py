@@ -10,7 +10,7 @@ import time
 
 import numpy as np
 
-from glassworkbench.errors import GlassWorkbenchError
+from glassworkbench.errors import GlassWorkbenchError, OutOfTimeError
 from glassworkbench.freecad import Part
 from glassworkbench.mold import Mold
 from glassworkbench.scene import Mesh
@@ -61,7 +61,7 @@ def inner_mesh(mold: Mold, asked: AskedThickness, wall: Outside, seconds: float)
     ------
     InputError
         If the wall asked leaves no cavity that reaches the mouth.
-    GlassWorkbenchError
+    OutOfTimeError
         If the time is certainly too short for a grid that tells the two sides of the wall apart.
     """
     begin = time.monotonic()
@@ -167,7 +167,7 @@ def _step(wall: Outside, asked: AskedThickness, seconds: float) -> float:
     searching = SEARCHES * area * min(_pilot(wall, inward) for _ in range(PILOTS))
     coarsest = COARSEST_SHARE * asked.minimum_mm
     if SURE_SHARE * searching / coarsest**2 > seconds:
-        raise GlassWorkbenchError(
+        raise OutOfTimeError(
             f"a wall of {asked.minimum_mm:.3g} mm needs a grid that takes about "
             f"{searching / coarsest**2 / TIME_SHARE:.0f} s; give it more time"
         )

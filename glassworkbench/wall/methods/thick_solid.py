@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from glassworkbench.errors import GlassWorkbenchError, InputError
+from glassworkbench.errors import GlassWorkbenchError, InputError, OutOfTimeError
 from glassworkbench.freecad import Part
 from glassworkbench.mold import Anatomy, Mold, tessellate
 from glassworkbench.wall.asking.asked import AskedThickness
@@ -155,21 +155,24 @@ def _first_good(
     tries: list[str],
 ) -> list[Part.Shape]:
     """Return what a job makes of the outside by the first good way; every outcome is added to the tries."""
+    out_of_time = False
     for way in WAYS:
         left = deadline - time.monotonic()
         label = f"{arguments['thickness_mm']:g} mm"
         if left < SHORTEST_TRY_SECONDS:
             tries.append(f"{label}: no time is left for other ways")
+            out_of_time = True
             break
         try:
             share = max(TRY_SHARE * left, SHORTEST_TRY_SECONDS)
             shapes = run_in_worker(job, [outer], {**arguments, "ways": [way]}, share)
         except GlassWorkbenchError as error:
             tries.append(f"{label}, {way}: {error}")
+            out_of_time |= isinstance(error, OutOfTimeError)
         else:
             tries.append(f"{label}, {way}: good")
             return shapes
-    raise NoCandidateError(f"none of OCC's ways leads to it, the last: {tries[-1]}", tuple(tries))
+    raise NoCandidateError(f"none of OCC's ways leads to it, the last: {tries[-1]}", tuple(tries), out_of_time)
 
 
 def thick_solid(mold: Mold, asked: AskedThickness, wall: Outside, seconds: float) -> Candidate:

@@ -32,13 +32,18 @@ def check_face(solid: Part.Shape, number: int, finish_face: int) -> None:
         raise InputError(f"wall Face{number}: it is no face with a wall behind it; name another")
     face = solid.Faces[number - 1]
     if face.Surface.TypeId != "Part::GeomPlane":
-        raise InputError(f"wall Face{number}: it is not planar, so OCC cannot give it a wall of its own")
+        raise InputError(
+            f"wall Face{number}: it is not planar, so OCC cannot give it a wall of its own; lofted and inner_mesh can"
+        )
     for edge in face.Edges:
         point = edge.valueAt(0.5 * (edge.FirstParameter + edge.LastParameter))
         for other in solid.ancestorsOfType(edge, Part.Face):
             cosine = _normal(face, point).dot(_normal(other, point))
             if not other.isSame(face) and cosine > SHARP_COSINE:
-                raise InputError(f"wall Face{number}: it meets a neighbour smoothly, so their walls cannot differ")
+                raise InputError(
+                    f"wall Face{number}: it meets a neighbour smoothly, so OCC cannot part their walls; "
+                    "lofted and inner_mesh can"
+                )
 
 
 def per_face_solid(
