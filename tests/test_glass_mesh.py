@@ -7,7 +7,10 @@ import pytest
 from meshed_molds import ball_bottomed, mesh_mold
 
 from glassworkbench.errors import GlassWorkbenchError
+from glassworkbench.freecad import Part
+from glassworkbench.mold import mold_from_shape
 from glassworkbench.mold.tessellation import outside_mesh
+from glassworkbench.wall import container as wall_container
 from glassworkbench.wall import hollow
 from glassworkbench.wall.glass_mesh import glass_mesh
 from glassworkbench.wall.measuring.outside import is_mouth
@@ -38,6 +41,26 @@ def test_the_rim_of_a_container_of_a_mesh_is_level(container):
     assert np.all(up >= 0.0)
     assert 0.5 * up.sum() == pytest.approx(np.pi * (20**2 - 17**2), rel=0.01)
     assert mesh_volume(glass).volume_mm3 > 0.0
+
+
+def test_a_lofted_solid_is_written_from_the_meshes_that_were_measured(tmp_path, monkeypatch):
+    mold = mold_from_shape(Part.makeCylinder(30, 100), "jar", up=(0, 0, 1))
+    container = hollow(mold, 3.0, method="lofted")
+    monkeypatch.setattr(wall_container, "STL_SECONDS", 0.0)
+    container.save(tmp_path / "jar.stl")
+    written = importlib.import_module("Mesh").Mesh(str(tmp_path / "jar.stl"))
+    assert written.isSolid()
+    assert not written.hasSelfIntersections()
+    assert written.Volume == pytest.approx(np.pi * (30**2 * 100 - 27**2 * 97), rel=5e-3)
+
+
+def test_the_mesh_of_a_solid_is_given_up_after_its_time(tmp_path, monkeypatch):
+    mold = mold_from_shape(Part.makeCylinder(30, 100), "jar", up=(0, 0, 1))
+    container = hollow(mold, 3.0, method="revolved")
+    monkeypatch.setattr(wall_container, "STL_SECONDS", 0.0)
+    with pytest.raises(GlassWorkbenchError, match=r"jar\.stl: could not be written \(it did not finish within 0 s"):
+        container.save(tmp_path / "jar.stl")
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize("ending", [".step", ".brep", ".FCStd"])

@@ -203,6 +203,17 @@ def test_the_bore_runs_straight_through_the_rounding_of_the_lip():
     assert mouth[1] == pytest.approx(300.0, abs=1e-9)
 
 
+@pytest.mark.parametrize("knot", [180.0, 180.0000004, 179.997, 180.003, 100.0])
+def test_a_thickness_that_turns_at_or_beside_a_joint_of_the_outside_leaves_a_sharp_bend_inside(knot):
+    wall = f"0:3.5 {knot}:2.4 300:3.6 linear"
+    profile, cavity, thickness = hollowed(bottle(), 300.0, wall)
+    points = polyline(cavity.segments[:-1], 16)
+    near = points[np.abs(points[:, 1] - knot) < 2.0]
+    assert np.all(np.diff(near[:, 1]) > 0.0)
+    gap = least_gap(profile.segments, near, lambda height: thickness.at(height))
+    assert np.abs(gap).max() < 2e-3
+
+
 def test_a_convex_corner_stays_sharp_inside():
     _, cavity, _ = hollowed(lines((0, 0), (20, 0), (21, 60), (20, 100), (0, 100)), 100.0, "0.3")
     lower, upper = unit(np.array([[1.0, 60.0], [-1.0, 40.0]]))

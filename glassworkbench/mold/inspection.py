@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from glassworkbench.errors import InputError
+from glassworkbench.errors import GlassWorkbenchError, InputError
 from glassworkbench.freecad import Part
 from glassworkbench.mold.anatomy import Anatomy
 from glassworkbench.mold.axis import Standing, find_standing, is_hollow, to_upright
@@ -16,7 +16,7 @@ from glassworkbench.mold.cavity import is_closed_around
 from glassworkbench.mold.closing import closed_solid
 from glassworkbench.mold.faults import faults
 from glassworkbench.mold.files import read_mesh_mm
-from glassworkbench.mold.measures import mesh_of, signed_volume
+from glassworkbench.mold.measures import measuring_deviation_mm, mesh_of, signed_volume, volume_behind
 from glassworkbench.mold.mesh_mold import mold_from_mesh
 from glassworkbench.mold.mold import (
     INSIDE_OUT,
@@ -29,6 +29,7 @@ from glassworkbench.mold.mold import (
 )
 from glassworkbench.mold.read import MESH_ENDINGS, STEP_ENDINGS, read_shape, sha256
 from glassworkbench.mold.step_entities import count_entities
+from glassworkbench.mold.tessellation import tessellate
 from glassworkbench.mold.units import declared_unit
 from glassworkbench.scene.validate import file_path
 
@@ -112,7 +113,7 @@ def inspect(
         if faces_inward(shape):
             found["notes"].append(INSIDE_OUT)
         solid, vertices, triangles = outward(single_solid(shape))
-        found["mesh_volume_mm3"] = signed_volume(vertices, triangles)
+        found["mesh_volume_mm3"] = _solid_volume_mm3(solid)
         standing = find_standing(solid, vertices, triangles)
         found["hollow"] = is_hollow(standing, vertices, triangles)
         if found["hollow"] and not outer_shell:
@@ -153,9 +154,15 @@ def _with_mold(found: dict, mold: Mold) -> dict:
 
 
 def _volume_mm3(mold: Mold) -> float:
-    if mold.mesh is not None:
-        return signed_volume(mold.mesh.vertices_mm, mold.mesh.triangles)
-    return signed_volume(*mesh_of(mold.upright))
+    return _solid_volume_mm3(mold.upright) if mold.mesh is None else volume_behind(mold.mesh)
+
+
+def _solid_volume_mm3(solid: Part.Shape) -> float:
+    try:
+        return volume_behind(tessellate(solid, measuring_deviation_mm(solid)))
+    except GlassWorkbenchError:
+        # A mesh with holes has no bulges, but a volume near enough.
+        return signed_volume(*mesh_of(solid))
 
 
 def _full_mold(mold: Mold) -> dict:

@@ -7,6 +7,8 @@ import itertools
 import numpy as np
 
 from glassworkbench.freecad import Part
+from glassworkbench.scene import Mesh
+from glassworkbench.spatial import sags
 
 FLAT_SHARE = 1e-4
 """Triangles that lie in a plane across the axis within this share of the height are one flat end."""
@@ -14,9 +16,21 @@ FLAT_SHARE = 1e-4
 
 def mesh_of(shape: Part.Shape) -> tuple[np.ndarray, np.ndarray]:
     """Return a mesh (vertices (n, 3), triangles (m, 3)) fine enough to measure a container by, 0.1 % of its size."""
-    size = shape.BoundBox.DiagonalLength
-    vertices, triangles = shape.tessellate(max(1e-3 * min(size, 200.0), 1e-6))
+    vertices, triangles = shape.tessellate(measuring_deviation_mm(shape))
     return np.array([tuple(vertex) for vertex in vertices]), np.array(triangles)
+
+
+def measuring_deviation_mm(shape: Part.Shape) -> float:
+    """Return the deviation of `mesh_of`."""
+    return max(1e-3 * min(shape.BoundBox.DiagonalLength, 200.0), 1e-6)
+
+
+def volume_behind(mesh: Mesh) -> float:
+    """Return the volume (mm^3) within the curved surface behind a closed mesh: each triangle adds its mean bulge."""
+    corners = mesh.vertices_mm[mesh.triangles]
+    areas = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    bulge = areas @ sags(corners, mesh.normals[mesh.triangles]).sum(axis=1) / 12.0
+    return signed_volume(mesh.vertices_mm, mesh.triangles) + float(bulge)
 
 
 def signed_volume(vertices_mm: np.ndarray, triangles: np.ndarray) -> float:

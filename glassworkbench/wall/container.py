@@ -11,7 +11,8 @@ import numpy as np
 from glassworkbench.errors import GlassWorkbenchError
 from glassworkbench.freecad import Part
 from glassworkbench.mold import Mold, outer_meridian
-from glassworkbench.mold.tessellation import tessellate
+from glassworkbench.mold.mold import moved
+from glassworkbench.mold.tessellation import outside_mesh, tessellate
 from glassworkbench.output import check_writable, written_aside
 from glassworkbench.scene import ContainerGeometry, Mesh, Revolved, Surface
 from glassworkbench.wall.asking.shortened import shortened
@@ -25,11 +26,15 @@ from glassworkbench.wall.measuring.volumes import Volume
 from glassworkbench.wall.measuring.wall_map import WallMap, wall_map
 from glassworkbench.wall.seen import seen_surface
 from glassworkbench.wall.solid_file import write_solid
+from glassworkbench.wall.worker import run_in_worker
 
 ENDINGS = (".step", ".stp", ".brep", ".fcstd", ".stl")
 
 STL_DEVIATION_MM = 0.02
 """How far the triangles of an STL file may be off the solid."""
+
+STL_SECONDS = 120.0
+"""How long OCC may take over the triangles."""
 
 
 @dataclass(frozen=True)
@@ -247,16 +252,26 @@ class Container:
             raise GlassWorkbenchError(f"{path}: the container is a mesh, which can be written as STL only; name it so")
         with written_aside(path) as aside:
             try:
-                if self.solid is None:
-                    glass = glass_mesh(self.outer, is_mouth(self.mold, self.outer_faces), self.inside)
-                    write_stl(glass, self.mold.placement, aside)
-                elif path.suffix.lower() == ".stl":
+                if path.suffix.lower() == ".stl":
                     # OCC's own writer chooses its triangles itself, millions of them, and writes them as text.
-                    write_stl(tessellate(self.solid, STL_DEVIATION_MM), np.eye(4), aside)
+                    write_stl(self._glass_mesh(), self.mold.placement, aside)
                 else:
                     write_solid(self.solid, self.mold.name, aside)
             except Exception as error:
                 raise GlassWorkbenchError(f"{path}: could not be written ({error})") from error
+
+    def _glass_mesh(self) -> Mesh:
+        """Return the glass as a closed mesh, upright."""
+        if self.solid is None or isinstance(self.cavity, Mesh):
+            outer, faces = outside_mesh(self.mold, STL_DEVIATION_MM)
+            try:
+                return glass_mesh(outer, is_mouth(self.mold, faces), self.inside)
+            except GlassWorkbenchError:
+                if self.solid is None:
+                    raise
+        upright = moved(self.solid, np.linalg.inv(self.mold.placement))
+        # OCC can take minutes over one smooth face, and nothing but the end of its process stops it.
+        return run_in_worker(tessellate, (upright, STL_DEVIATION_MM), {}, STL_SECONDS)
 
 
 def geometry_within(mold: Mold, cavity: Surface | Part.Shape) -> ContainerGeometry:

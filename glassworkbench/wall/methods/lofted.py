@@ -48,6 +48,9 @@ SHORTEST_SHARE = 0.05
 TURN_RAD, LONGEST_MM, SHORTEST_MM = np.radians(3.0), 4.0, 0.4
 """In the mesh each span of the grid is parted until it turns by less than this and is not longer, but no shorter."""
 
+SAG_MM = 0.01
+"""It is parted also until its chords, along it and across, are no farther than this from the surface."""
+
 FOOT_MM = 0.02
 """What lies this close to embossing is the edge of its foot."""
 
@@ -230,8 +233,10 @@ def _mesh_parameters(surface: LoftSurface) -> tuple[np.ndarray, np.ndarray]:
 def _parted(knots: np.ndarray, points: np.ndarray, normals: np.ndarray) -> np.ndarray:
     """Return knots (n,) with more in between, judged by the lines (n, m, 3) of points and normals."""
     cosines = np.clip(np.einsum("ijk,ijk->ij", normals[1:], normals[:-1]), -1.0, 1.0)
-    lengths = np.linalg.norm(np.diff(points, axis=0), axis=2).max(axis=1)
-    wanted = np.minimum(np.arccos(cosines).max(axis=1) / TURN_RAD, lengths / SHORTEST_MM)
+    turns, chords = np.arccos(cosines), np.linalg.norm(np.diff(points, axis=0), axis=2)
+    lengths = chords.max(axis=1)
+    smooth = np.maximum(turns.max(axis=1) / TURN_RAD, np.sqrt((turns * chords).max(axis=1) / (8.0 * SAG_MM)))
+    wanted = np.minimum(smooth, lengths / SHORTEST_MM)
     parts = np.ceil(np.maximum(np.maximum(wanted, lengths / LONGEST_MM), 1.0)).astype(int)
     pieces = [
         np.linspace(low, high, count, endpoint=False)

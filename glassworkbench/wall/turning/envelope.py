@@ -17,6 +17,12 @@ from glassworkbench.wall.turning.profile import WallMeridian
 SAMPLES = 4000
 """Samples along the outside; they find the folds, whose ends are then computed exactly."""
 
+HALVINGS = 6
+"""How often the samples' spacing is halved toward the ends of a piece."""
+
+SLIVER_MM = 1e-6
+"""A knot of the thickness this close to the height at which a segment ends does not cut it."""
+
 PAST_MOUTH_MM = 5.0
 """How far the tracer's cavity reaches above the finish."""
 
@@ -43,13 +49,17 @@ class _Offset:
     segment: np.ndarray
     thickness: AlongMeridian
     underside: bool
+    length_mm: float
 
     def trace(self, u: np.ndarray) -> Trace:
         feet = evaluate(self.segment, u)[0]
         # A segment whose first handle has no length still has a tangent next to its end.
         tangent = unit(evaluate(self.segment, np.clip(u, 1e-9, 1.0 - 1e-9))[1])
+        # And the thickness, whose knots lie near ends, has one slope there.
+        end = min(2.0 * SLIVER_MM / self.length_mm, 0.5)
+        within = evaluate(self.segment, np.clip(u, end, 1.0 - end))[0]
         radius = self.thickness.at(feet, self.underside)
-        growth = self.thickness.growth(feet, tangent, self.underside)
+        growth = self.thickness.growth(within, tangent, self.underside)
         return _on_circles(feet, tangent, radius, growth)
 
 
@@ -105,10 +115,7 @@ class Envelope:
     def __init__(self, pieces: list, lengths_mm: list[float]) -> None:
         self.pieces = pieces
         spacing = sum(lengths_mm) / SAMPLES
-        grids = [
-            number + np.linspace(0.0, 1.0, max(17, int(length / spacing) + 2))
-            for number, length in enumerate(lengths_mm)
-        ]
+        grids = [number + _samples(int(length / spacing) + 2) for number, length in enumerate(lengths_mm)]
         # The same place is the end of one piece and the start of the next; a tiny step keeps the two apart.
         self.places = np.concatenate([np.append(grid[:-1], np.nextafter(grid[-1], 0.0)) for grid in grids])
         self.trace = self.at(self.places)
@@ -128,6 +135,13 @@ class Envelope:
             for part, value in zip(parts, (trace.points, trace.feet, trace.thickness, trace.directions), strict=True):
                 part[here] = value
         return Trace(*parts)
+
+
+def _samples(count: int) -> np.ndarray:
+    """Return parameters from 0 to 1 in equal steps, halved toward both ends, where folds can be small."""
+    even = np.linspace(0.0, 1.0, max(17, count))
+    closer = even[1] * 0.5 ** np.arange(1, HALVINGS + 1)
+    return np.sort(np.concatenate([even, closer, 1.0 - closer]))
 
 
 def envelope_of(wall: WallMeridian, thickness: AlongMeridian) -> Envelope:
@@ -166,7 +180,7 @@ def _outside(wall: WallMeridian, thickness: AlongMeridian) -> list[tuple]:
         for part in _cut_at_heights(segment, thickness):
             points = evaluate(part, np.linspace(0.0, 1.0, 17))[0]
             length = float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
-            pieces.append((_Offset(part, thickness, bool(underside)), length))
+            pieces.append((_Offset(part, thickness, bool(underside), length), length))
     point, tangent = wall.lip, wall.lip_direction
     at_lip = float(thickness.at(point[None])[0])
     growth = float(thickness.growth(point[None] - np.array([0.0, 1e-9]), tangent[None])[0])
@@ -181,7 +195,7 @@ def _cut_at_heights(segment: np.ndarray, thickness: AlongMeridian) -> list[np.nd
     u = np.linspace(0.0, 1.0, 65)
     z = evaluate(segment, u)[0][:, 1]
     knots = thickness.knots_mm
-    knots = knots[(knots > z.min()) & (knots < z.max())]
+    knots = knots[(knots > z.min() + SLIVER_MM) & (knots < z.max() - SLIVER_MM)]
     places = {0.0, 1.0}
     for knot in knots:
         for k in np.flatnonzero((z[:-1] - knot) * (z[1:] - knot) < 0.0):
