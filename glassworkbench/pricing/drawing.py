@@ -22,7 +22,7 @@ KINDS = {"unbent": ("v", "0.45"), "mesh": ("^", "#d1812c"), "effect": ("s", "#3a
 LEAST_SHOWN = 1e-7
 """An error of 0 has no place on a logarithmic axis."""
 
-COLUMNS = 5
+COLUMNS = 6
 GAIN = 10
 """By which differences between crops are multiplied."""
 
@@ -37,13 +37,13 @@ def save_plot(prices: Sequence[Price], path: Path) -> None:
         if len(predicted) == 0:
             continue
         style = {"color": colour, "marker": marker, "ls": ""}
-        axis.plot(*predicted.T, mfc="white", ms=8, label=f"{kind}, predicted", **style)
+        axis.plot(*predicted.T, mfc="white", ms=8, **style)
         if kind in ("exact", "mesh"):
             axis.plot(*predicted.T, color=colour, lw=0.8, ls=":", zorder=1)
         measured = [(place, p) for place, p in zip(predicted, of_kind, strict=True) if p.error is not None]
         if measured:
             places = np.array([(p.seconds, max(p.error, LEAST_SHOWN)) for _, p in measured])
-            axis.plot(*places.T, ms=6, label=f"{kind}, measured", **style)
+            axis.plot(*places.T, ms=6, **style)
             for (place, _), there in zip(measured, places, strict=True):
                 axis.plot(*np.transpose([place, there]), color=colour, lw=0.8)
         for price, place in zip(of_kind, predicted, strict=True):
@@ -59,7 +59,9 @@ def save_plot(prices: Sequence[Price], path: Path) -> None:
     axis.grid(color="0.9", which="major")
     axis.set_axisbelow(True)
     axis.spines[["top", "right"]].set_visible(False)
-    axis.legend(fontsize=8, frameon=False, loc="best")
+    axis.plot([], [], "o", color="0.3", mfc="white", ms=8, label="predicted")
+    axis.plot([], [], "o", color="0.3", ms=6, label="measured")
+    axis.legend(fontsize=8, frameon=False, ncols=2, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.0)
     _save(figure, path)
 
 
@@ -68,8 +70,8 @@ def save_crops(crops: Sequence[tuple[str, Image]], path: Path) -> None:
     if not crops:
         path.unlink(missing_ok=True)
         return
-    columns = min(COLUMNS, len(crops))
-    rows = -(-len(crops) // columns)
+    rows = -(-len(crops) // COLUMNS)
+    columns = -(-len(crops) // rows)
     figure = _figure(2.1 * columns, 4.4 * rows)
     axes = figure.subplots(2 * rows, columns, squeeze=False)
     figure.subplots_adjust(left=0.01, right=0.99, top=1.0 - 0.3 / (4.4 * rows), bottom=0.01, wspace=0.04, hspace=0.12)

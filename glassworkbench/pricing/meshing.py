@@ -24,7 +24,8 @@ def meshed(scene: Scene, density: int) -> Scene:
     ----------
     scene : Scene
     density : int
-        From 0; each next has about four times the triangles, with the surface's normals at their vertices.
+        From 0; each next has four times the triangles where the body curves in both directions, twice where in one. At
+        their vertices are the surface's normals.
     """
     bodies = [replace(body, surface=_mesh(body.surface, density)) for body in scene.bodies]
     return replace(scene, bodies=bodies)

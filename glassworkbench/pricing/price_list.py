@@ -117,6 +117,7 @@ class PriceList:
             If nothing can be written there, or matplotlib is missing.
         """
         folder = writable_folder(folder)
+        folder.mkdir(exist_ok=True)
         with written_aside(folder / TABLE) as aside, open(aside, "w", newline="", encoding="utf-8") as file:
             table = csv.DictWriter(file, [field.name for field in fields(Price)])
             table.writeheader()
@@ -129,24 +130,19 @@ class PriceList:
 
 
 def writable_folder(folder: str | os.PathLike) -> Path:
-    """Return a folder into which a price list can be written; it is made where only it is missing.
+    """Return the path of a folder that a price list can be written into, or made for it.
 
     Raises
     ------
     InputError
-        If it is a file, cannot be made or written into, or matplotlib is missing.
+        If it is a file, or cannot be written into or made, or matplotlib is missing.
     """
     folder = Path(folder)
     if folder.exists() and not folder.is_dir():
         raise InputError(f"{folder}: it is a file; name a folder for the price list")
-    try:
-        folder.mkdir(exist_ok=True)
-    except OSError as refusal:
-        raise InputError(
-            f"{folder}: the folder cannot be made ({refusal.strerror}); name one in a folder of yours"
-        ) from refusal
-    check_drawing(folder / CROPS, "a price list")
-    return check_writable(folder / TABLE).parent
+    check_writable(folder / TABLE if folder.is_dir() else folder)
+    check_drawing(folder.parent / CROPS, "a price list")
+    return folder
 
 
 def accuracy(
