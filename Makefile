@@ -2,7 +2,7 @@ PYTHON ?= /usr/bin/python3
 RUFF_VERSION := 0.17.6
 COLOUR_SCIENCE_VERSION := 0.4.6
 
-.PHONY: help setup build demo test lint sanitize fuzz sanitized bench-tracer bench-peers bench-walls compat clean
+.PHONY: help setup build demo test lint sanitize fuzz sanitized bench-tracer bench-peers bench-walls bench-accuracy compat clean
 
 help: ## Show this list
 	@echo "make TARGET, where TARGET is one of"
@@ -73,6 +73,9 @@ bench-peers: build ## Time to an error on the peers' bottle, beside Mitsuba's (t
 bench-walls: build ## Hollow every mold by every wall and method (hours; goes on where it stopped)
 	@$(PYTHON) benchmarks/walls.py
 	@$(PYTHON) benchmarks/wall_prices.py
+
+bench-accuracy: build ## Prices as predicted and as measured, side by side, on a few scenes
+	@$(PYTHON) benchmarks/accuracy.py
 
 compat: build ## Run the tests on FreeCAD 0.20, 1.0 and 1.1, into docs/compat.md
 	@$(PYTHON) tools/compat.py

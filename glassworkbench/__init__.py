@@ -26,6 +26,7 @@ _HOMES = {
     "stations": "glassworkbench.staging",
     "read_scene": "glassworkbench.scene.file",
     "render": "glassworkbench.tracer",
+    "accuracy": "glassworkbench.pricing",
     "Cancel": "glassworkbench.tracer",
     "Image": "glassworkbench.images",
     "read_image": "glassworkbench.images",

@@ -27,6 +27,7 @@ from glassworkbench.glass.pictures import CURVES, SWATCHES, save_curves, save_sw
 from glassworkbench.glass.swatch import shown_colour
 from glassworkbench.images import IMAGE_ENDINGS, Image
 from glassworkbench.output import check_drawing, check_writable, written_aside
+from glassworkbench.pricing import SECONDS, PriceList, accuracy, writable_folder
 from glassworkbench.scene import ContainerGeometry, Revolved, Scene, Surface
 from glassworkbench.scene.file import read_scene
 from glassworkbench.scene.scene import MAXIMUM_SIDE
@@ -372,11 +373,7 @@ def _prepare_render(parser: argparse.ArgumentParser) -> None:
         metavar="IMAGE",
         help=f"{' '.join(IMAGE_ENDINGS)}; may be given again, to write the image in several formats",
     )
-    _add_wall_options(parser, required=False)
-    parser.add_argument("--station", metavar="S", help="where it is seen (studio); the verb stations lists them")
-    parser.add_argument("--glass", metavar="G", help="what it is made of (flint); the verb glasses lists them")
-    parser.add_argument("--fill", metavar="LIQUID[:LEVEL_MM]", help="what it holds, and up to what height")
-    parser.add_argument("--size", type=_size, metavar="WxH", help="of the image, in pixels (480x640)")
+    _add_view_options(parser)
     price = parser.add_mutually_exclusive_group()
     price.add_argument("--tolerance", type=float, metavar="T", help="accepted error of a pixel; white is 1 (0.02)")
     price.add_argument("--seconds", type=float, metavar="S", help="refine until this time is over")
@@ -389,11 +386,19 @@ def _prepare_render(parser: argparse.ArgumentParser) -> None:
         "--effect", type=_effect, action="append", default=[], metavar="NAME=on|off", help=f"of {', '.join(EFFECTS)}"
     )
     parser.add_argument("--exposure", type=float, default=0.0, metavar="STOPS", help="of .png and .jpg (0)")
-    parser.add_argument("--threads", type=int, metavar="N", help="all processors where not given")
     parser.add_argument(
         "--resume", metavar="FILE", help="go on from what an earlier, unfinished run left as IMAGE.checkpoint"
     )
     _add_report_options(parser)
+
+
+def _add_view_options(parser: argparse.ArgumentParser) -> None:
+    _add_wall_options(parser, required=False)
+    parser.add_argument("--station", metavar="S", help="where it is seen (studio); the verb stations lists them")
+    parser.add_argument("--glass", metavar="G", help="what it is made of (flint); the verb glasses lists them")
+    parser.add_argument("--fill", metavar="LIQUID[:LEVEL_MM]", help="what it holds, and up to what height")
+    parser.add_argument("--size", type=_size, metavar="WxH", help="of the image, in pixels (480x640)")
+    parser.add_argument("--threads", type=int, metavar="N", help="all processors where not given")
 
 
 def _size(text: str) -> tuple[int, int]:
@@ -494,29 +499,32 @@ def _read_step(path: Path) -> Surface:
 
 
 def _traced(scene: Scene, options: argparse.Namespace, effects: Mapping[str, bool], checkpoint: str) -> Image:
-    """Render on another thread, so that this one hears Ctrl-C while the native core works."""
+    return _cancellable(
+        "rendering",
+        options,
+        render,
+        scene,
+        tolerance=options.tolerance,
+        seconds=options.seconds,
+        crop=options.crop,
+        region=options.region,
+        effects=effects,
+        checkpoint=checkpoint,
+        resume=options.resume is not None,
+    )
+
+
+def _cancellable(label: str, options: argparse.Namespace, work: Callable, scene: Scene, **arguments: object) -> object:
+    """Work on another thread, so that this one hears Ctrl-C while the native core is busy."""
     cancel = Cancel()
-    with _bar("rendering", options.quiet) as progress, ThreadPoolExecutor(1) as worker:
-        image = worker.submit(
-            render,
-            scene,
-            tolerance=options.tolerance,
-            seconds=options.seconds,
-            threads=options.threads,
-            crop=options.crop,
-            region=options.region,
-            effects=effects,
-            cancel=cancel,
-            progress=progress,
-            checkpoint=checkpoint,
-            resume=options.resume is not None,
-        )
+    with _bar(label, options.quiet) as progress, ThreadPoolExecutor(1) as worker:
+        done = worker.submit(work, scene, threads=options.threads, cancel=cancel, progress=progress, **arguments)
         try:
-            return image.result()
+            return done.result()
         except KeyboardInterrupt:
             cancel.set()
             # Its own exception tells whether there is something to go on from.
-            image.result()
+            done.result()
             raise
 
 
@@ -536,6 +544,43 @@ def _bar(label: str, quiet: bool) -> Iterator[Callable[[float], None] | None]:
     form = "{desc} {percentage:3.0f}% |{bar}| {elapsed}"
     with tqdm(total=1.0, desc=label, leave=False, ncols=width, bar_format=form) as bar:
         yield lambda share: bar.update(share - bar.n)
+
+
+# accuracy
+
+
+def _prepare_accuracy(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("mold", metavar="INPUT", help="as for render")
+    parser.add_argument(
+        "-o", "--output", required=True, metavar="FOLDER", help="for prices.csv .json .png .svg and crops.png"
+    )
+    _add_view_options(parser)
+    parser.add_argument(
+        "--seconds", type=float, default=SECONDS, metavar="S", help=f"what a point may take ({SECONDS:g})"
+    )
+    parser.add_argument("--measure", action="store_true", help="render the points, beside the prediction")
+    _add_report_options(parser)
+
+
+def _accuracy(options: argparse.Namespace) -> None:
+    folder = writable_folder(options.output)
+    _check_files(options, [])
+    _check_positive(options, "scale", "finish_height", "seconds", "threads")
+    scene = _scene(options)
+    prices = _cancellable("pricing", options, accuracy, scene, seconds=options.seconds, measure=options.measure)
+    prices.save(folder)
+    _answer(options, prices.to_json() | {"input": _input(options.mold)}, _told_of_prices(prices))
+
+
+def _told_of_prices(prices: PriceList) -> str:
+    lines = [f"{'':28}{'seconds':>9}{'error':>10}" + (f"{'measured':>12}{'error':>10}" if prices.reference else "")]
+    for price in prices.prices:
+        line = f"{price.name:28}{price.predicted_seconds:>9.3g}{price.predicted_error:>10.2g}"
+        if price.seconds is not None:
+            wrong = "" if price.error is None else f"{price.error:.2g}"
+            line += f"{price.seconds:>12.3g}{wrong:>10}"
+        lines.append(line)
+    return "\n".join(lines)
 
 
 # glasses and stations
@@ -688,6 +733,12 @@ _VERBS = {
         _render,
         "show what light makes of a container",
         "bottle.step --wall 3 --glass emerald --station studio -o bottle.png",
+    ),
+    "accuracy": (
+        _prepare_accuracy,
+        _accuracy,
+        "show what accuracy costs: error against seconds",
+        "bottle.step --wall 3 --measure -o prices",
     ),
     "glasses": (_prepare_glasses, _glasses, "list the glasses and the liquids that fill them", "--json"),
     "stations": (
