@@ -31,7 +31,8 @@ from glassworkbench.scene import ContainerGeometry, Revolved, Scene, Surface
 from glassworkbench.scene.file import read_scene
 from glassworkbench.scene.scene import MAXIMUM_SIDE
 from glassworkbench.settings import unknown_name
-from glassworkbench.staging import check_station, parse_fill, sample_container, station, stations
+from glassworkbench.staging import check_station, described, parse_fill, sample_container, station, stations
+from glassworkbench.staging.layout import LAYOUT, save_layout
 from glassworkbench.tracer import Cancel, render
 from glassworkbench.tracer.plan import EFFECTS
 
@@ -371,7 +372,7 @@ def _prepare_render(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--station", metavar="S", help="where it is seen (studio); the verb stations lists them")
     parser.add_argument("--glass", metavar="G", help="what it is made of (flint); the verb glasses lists them")
     parser.add_argument("--fill", metavar="LIQUID[:LEVEL_MM]", help="what it holds, and up to what height")
-    parser.add_argument("--size", type=_size, metavar="WxH", help="of the image, in pixels (480x640)")
+    parser.add_argument("--size", type=_size, metavar="WxH", help="of the image, in pixels (480x640, or the sensor's)")
     price = parser.add_mutually_exclusive_group()
     price.add_argument("--tolerance", type=float, metavar="T", help="accepted error of a pixel; white is 1 (0.02)")
     price.add_argument("--seconds", type=float, metavar="S", help="refine until this time is over")
@@ -469,7 +470,7 @@ def _scene(options: argparse.Namespace) -> Scene:
     view = options.station or "studio"
     check_station(view)
     geometry = _container_as_it_is(options) if options.wall is None else _container(options, _mold(options)).geometry()
-    scene = station(view, geometry, glass, fill, options.size or (480, 640))
+    scene = station(view, geometry, glass, fill, options.size)
     told = {"mold": Path(options.mold).name, "wall": options.wall or "as it is"}
     return dataclasses.replace(scene, metadata=told | dict(scene.metadata))
 
@@ -537,6 +538,7 @@ def _bar(label: str, quiet: bool) -> Iterator[Callable[[float], None] | None]:
 
 
 PREVIEW_SECONDS = 5.0
+PREVIEW_SIDE = 320
 
 
 def _prepare_glasses(parser: argparse.ArgumentParser) -> None:
@@ -590,20 +592,33 @@ def _list_materials(group: str, known: Mapping[str, Glass | Filling], path_mm: f
 
 def _prepare_stations(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="answer in JSON")
-    parser.add_argument("--preview", metavar="S", help="render a tumbler at this station instead")
-    parser.add_argument("-o", "--output", metavar="IMAGE", help="where to write the preview")
+    parser.add_argument(
+        "--preview",
+        metavar="S",
+        help="draw this station instead, with a tumbler: where camera and light stand, and what is seen",
+    )
+    parser.add_argument("-o", "--output", metavar="PICTURE", help="where to draw it: .png .svg .pdf")
 
 
 def _stations(options: argparse.Namespace) -> None:
     if (options.preview is None) != (options.output is None):
         raise InputError("--preview and -o belong together; give both, as --preview studio -o studio.png")
     if options.preview is not None:
-        output = check_writable(options.output, IMAGE_ENDINGS)
-        scene = station(options.preview, sample_container(), "flint", size=(240, 320))
-        render(scene, seconds=PREVIEW_SECONDS).save(output)
+        output = check_drawing(options.output, LAYOUT)
+        scene = station(options.preview, sample_container(), "flint")
+        seen = dataclasses.replace(scene, size=_preview_size(scene.size))
+        title = f"{options.preview}: {described(options.preview)}"
+        save_layout(scene, render(seen, seconds=PREVIEW_SECONDS).display(), title, output)
         return
     known = stations()
-    print(_json(known) if options.json else "\n".join(f"{name:10} {what}" for name, what in known.items()))
+    width = max(map(len, known))
+    print(_json(known) if options.json else "\n".join(f"{name:{width}} {what}" for name, what in known.items()))
+
+
+def _preview_size(size: tuple[int, int]) -> tuple[int, int]:
+    """Return a size of the same shape whose longer side is `PREVIEW_SIDE` pixels."""
+    share = PREVIEW_SIDE / max(size)
+    return max(1, round(share * size[0])), max(1, round(share * size[1]))
 
 
 # what verbs share
