@@ -621,6 +621,58 @@ def _preview_size(size: tuple[int, int]) -> tuple[int, int]:
     return max(1, round(share * size[0])), max(1, round(share * size[1]))
 
 
+# compare
+
+
+def _prepare_compare(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("golden", metavar="GOLDEN", help="golden image, or a rendering of a station (.exr)")
+    parser.add_argument("image", metavar="IMAGE", help="of the camera: .png .tif of 8 to 16 bits, or .exr")
+    parser.add_argument("--limits", metavar="L.toml", help="from which size on a finding is of which class")
+    parser.add_argument("--tone", metavar="TONE", help="of the camera's values: linear or sRGB (linear)")
+    parser.add_argument("--overlay", metavar="PICTURE", help="draw what was found: .png .svg .pdf")
+    _add_report_options(parser)
+
+
+def _compare(options: argparse.Namespace) -> None:
+    from glassworkbench.judging import compare, save_overlay
+    from glassworkbench.judging.overlay import OVERLAY
+
+    read = {Path(path).resolve() for path in (options.golden, options.image, options.limits) if path is not None}
+    outputs = []
+    if options.overlay is not None:
+        outputs.append(check_drawing(options.overlay, OVERLAY))
+    if options.report is not None:
+        outputs.append(check_writable(options.report))
+    for path in outputs:
+        if path.resolve() in read:
+            raise InputError(f"{path}: it is read from, and would be overwritten; name another file to write to")
+    for path in (options.golden, options.image):
+        _check_input(path)
+    started = time.perf_counter()
+    told = compare(options.golden, options.image, limits=options.limits, tone=options.tone)
+    if options.overlay is not None:
+        save_overlay(told, Path(options.image).name, options.overlay)
+    report = told.to_json() | {
+        "golden": _input(options.golden),
+        "image": _input(options.image),
+        "seconds": round(time.perf_counter() - started, 3),
+        "version": __version__,
+    }
+    _answer(options, report, f"{options.image}: {_told_of_comparison(report)}")
+
+
+def _told_of_comparison(report: Mapping) -> str:
+    told = [report["verdict"]]
+    for zone in report["zones"]:
+        counts = [f"{zone[name]} {name}" for name in ("critical", "major", "minor") if zone[name]]
+        if counts:
+            told.append(f"{zone['name']} {' and '.join(counts)}")
+    found = report["registration"]
+    right, down = found["shift_px"]
+    moved = f"shift {right:.2f}, {down:.2f} px, rotation {found['rotation_deg']:.3f} deg, scale {found['scale']:.4f}"
+    return f"{', '.join(told)} ({moved}, gain {found['gain']:.3f})"
+
+
 # what verbs share
 
 
@@ -698,6 +750,12 @@ _VERBS = {
         _render,
         "show what light makes of a container",
         "bottle.step --wall 3 --glass emerald --station studio -o bottle.png",
+    ),
+    "compare": (
+        _prepare_compare,
+        _compare,
+        "hold a camera's image against a golden one",
+        "golden.exr camera.png --report r.json --overlay o.png",
     ),
     "glasses": (_prepare_glasses, _glasses, "list the glasses and the liquids that fill them", "--json"),
     "stations": (

@@ -27,7 +27,7 @@ PROGRAM = ROOT / "bin" / "glassworkbench"
 BALL = str(ROOT / "examples" / "scenes" / "ball_lens.toml")
 TUMBLER = str(ROOT / "examples" / "scenes" / "tumbler.toml")
 WINE_BOTTLE = str(ROOT / "examples" / "molds" / "wine_bottle.step")
-VERBS = ("inspect", "hollow", "render", "glasses", "stations")
+VERBS = ("inspect", "hollow", "render", "compare", "glasses", "stations")
 FREECADCMD = shutil.which("freecadcmd")
 
 

@@ -181,9 +181,7 @@ def _frame(table: Mapping, geometry: ContainerGeometry, camera: Camera, size: tu
     rectangle = _Rectangle(table, geometry, where)
     corners_mm = rectangle.seen_through(camera, size)
     if corners_mm is None:
-        raise InputError(
-            f"{where}: the camera does not look through it; put it behind the container"
-        )
+        raise InputError(f"{where}: the camera does not look through it; put it behind the container")
     room = CLEARANCE * float(np.ptp(corners_mm, axis=0).max())
     (left, bottom), (right, top) = corners_mm.min(axis=0) - room, corners_mm.max(axis=0) + room
     sides = (
