@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
+from scipy import ndimage
 
 from glassworkbench.errors import InputError
 from glassworkbench.images import Image, check_writable, files, luminance
@@ -22,6 +23,10 @@ BAND = 1.959964
 
 USUAL_NOISE = 0.01
 """Standard deviation taken where nothing is known of the process but one rendering, as a share of white."""
+
+
+USUAL_EDGE = 0.15
+"""What is added to it, as a share of the range among a pixel and its neighbours: good containers do not stand still."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,7 +158,7 @@ def golden_of(
     image : Image
         Of a station, with depth.
     noise : float
-        Standard deviation of good images, as a share of white; the certificate is added to it.
+        Standard deviation of good images, as a share of white; the certificate is added to it, and what moves at edges.
     zones_mm : mapping of str to (float, float), optional
         Lower and upper height of each zone; one zone, container, where not given.
 
@@ -163,7 +168,8 @@ def golden_of(
         If the image shows no container, or zones are asked of an image that has no scale of height.
     """
     grey = luminance(image.pixels)
-    sigma = np.hypot(noise, np.nan_to_num(image.certificate))
+    edge = USUAL_EDGE * (ndimage.maximum_filter(grey, size=3) - ndimage.minimum_filter(grey, size=3))
+    sigma = np.sqrt(noise**2 + np.nan_to_num(image.certificate) ** 2 + edge**2)
     valid = np.isfinite(image.depth_mm)
     scale = ImageScale.from_metadata(image.metadata)
     if not np.any(valid):
