@@ -32,7 +32,8 @@ from glassworkbench.scene import ContainerGeometry, Revolved, Scene, Surface
 from glassworkbench.scene.file import read_scene
 from glassworkbench.scene.scene import MAXIMUM_SIDE
 from glassworkbench.settings import unknown_name
-from glassworkbench.staging import check_station, parse_fill, sample_container, station, stations
+from glassworkbench.staging import check_station, described, parse_fill, sample_container, station, stations
+from glassworkbench.staging.layout import LAYOUT, save_layout
 from glassworkbench.tracer import Cancel, render
 from glassworkbench.tracer.plan import EFFECTS
 
@@ -397,7 +398,7 @@ def _add_view_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--station", metavar="S", help="where it is seen (studio); the verb stations lists them")
     parser.add_argument("--glass", metavar="G", help="what it is made of (flint); the verb glasses lists them")
     parser.add_argument("--fill", metavar="LIQUID[:LEVEL_MM]", help="what it holds, and up to what height")
-    parser.add_argument("--size", type=_size, metavar="WxH", help="of the image, in pixels (480x640)")
+    parser.add_argument("--size", type=_size, metavar="WxH", help="of the image, in pixels (480x640, or the sensor's)")
     parser.add_argument("--threads", type=int, metavar="N", help="all processors where not given")
 
 
@@ -479,7 +480,7 @@ def _scene(options: argparse.Namespace) -> Scene:
     view = options.station or "studio"
     check_station(view)
     geometry = _container_as_it_is(options) if options.wall is None else _container(options, _mold(options)).geometry()
-    scene = station(view, geometry, glass, fill, options.size or (480, 640))
+    scene = station(view, geometry, glass, fill, options.size)
     told = {"mold": Path(options.mold).name, "wall": options.wall or "as it is"}
     return dataclasses.replace(scene, metadata=told | dict(scene.metadata))
 
@@ -587,6 +588,7 @@ def _told_of_prices(prices: PriceList) -> str:
 
 
 PREVIEW_SECONDS = 5.0
+PREVIEW_SIDE = 320
 
 
 def _prepare_glasses(parser: argparse.ArgumentParser) -> None:
@@ -640,20 +642,85 @@ def _list_materials(group: str, known: Mapping[str, Glass | Filling], path_mm: f
 
 def _prepare_stations(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="answer in JSON")
-    parser.add_argument("--preview", metavar="S", help="render a tumbler at this station instead")
-    parser.add_argument("-o", "--output", metavar="IMAGE", help="where to write the preview")
+    parser.add_argument(
+        "--preview",
+        metavar="S",
+        help="draw this station instead, with a tumbler: where camera and light stand, and what is seen",
+    )
+    parser.add_argument("-o", "--output", metavar="PICTURE", help="where to draw it: .png .svg .pdf")
 
 
 def _stations(options: argparse.Namespace) -> None:
     if (options.preview is None) != (options.output is None):
         raise InputError("--preview and -o belong together; give both, as --preview studio -o studio.png")
     if options.preview is not None:
-        output = check_writable(options.output, IMAGE_ENDINGS)
-        scene = station(options.preview, sample_container(), "flint", size=(240, 320))
-        render(scene, seconds=PREVIEW_SECONDS).save(output)
+        output = check_drawing(options.output, LAYOUT)
+        scene = station(options.preview, sample_container(), "flint")
+        seen = dataclasses.replace(scene, size=_preview_size(scene.size))
+        title = f"{options.preview}: {described(options.preview)}"
+        save_layout(scene, render(seen, seconds=PREVIEW_SECONDS).display(), title, output)
         return
     known = stations()
-    print(_json(known) if options.json else "\n".join(f"{name:10} {what}" for name, what in known.items()))
+    width = max(map(len, known))
+    print(_json(known) if options.json else "\n".join(f"{name:{width}} {what}" for name, what in known.items()))
+
+
+def _preview_size(size: tuple[int, int]) -> tuple[int, int]:
+    """Return a size of the same shape whose longer side is `PREVIEW_SIDE` pixels."""
+    share = PREVIEW_SIDE / max(size)
+    return max(1, round(share * size[0])), max(1, round(share * size[1]))
+
+
+# compare
+
+
+def _prepare_compare(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("golden", metavar="GOLDEN", help="golden image, or a rendering of a station (.exr)")
+    parser.add_argument("image", metavar="IMAGE", help="of the camera: .png .tif of 8 to 16 bits, or .exr")
+    parser.add_argument("--limits", metavar="L.toml", help="from which size on a finding is of which class")
+    parser.add_argument("--tone", metavar="TONE", help="of the camera's values: linear or sRGB (linear)")
+    parser.add_argument("--overlay", metavar="PICTURE", help="draw what was found: .png .svg .pdf")
+    _add_report_options(parser)
+
+
+def _compare(options: argparse.Namespace) -> None:
+    from glassworkbench.judging import compare, save_overlay
+    from glassworkbench.judging.overlay import OVERLAY
+
+    read = {Path(path).resolve() for path in (options.golden, options.image, options.limits) if path is not None}
+    outputs = []
+    if options.overlay is not None:
+        outputs.append(check_drawing(options.overlay, OVERLAY))
+    if options.report is not None:
+        outputs.append(check_writable(options.report))
+    for path in outputs:
+        if path.resolve() in read:
+            raise InputError(f"{path}: it is read from, and would be overwritten; name another file to write to")
+    for path in (options.golden, options.image):
+        _check_input(path)
+    started = time.perf_counter()
+    told = compare(options.golden, options.image, limits=options.limits, tone=options.tone)
+    if options.overlay is not None:
+        save_overlay(told, Path(options.image).name, options.overlay)
+    report = told.to_json() | {
+        "golden": _input(options.golden),
+        "image": _input(options.image),
+        "seconds": round(time.perf_counter() - started, 3),
+        "version": __version__,
+    }
+    _answer(options, report, f"{options.image}: {_told_of_comparison(report)}")
+
+
+def _told_of_comparison(report: Mapping) -> str:
+    told = [report["verdict"]]
+    for zone in report["zones"]:
+        counts = [f"{zone[name]} {name}" for name in ("critical", "major", "minor") if zone[name]]
+        if counts:
+            told.append(f"{zone['name']} {' and '.join(counts)}")
+    found = report["registration"]
+    right, down = found["shift_px"]
+    moved = f"shift {right:.2f}, {down:.2f} px, rotation {found['rotation_deg']:.3f} deg, scale {found['scale']:.4f}"
+    return f"{', '.join(told)} ({moved}, gain {found['gain']:.3f})"
 
 
 # what verbs share
@@ -739,6 +806,12 @@ _VERBS = {
         _accuracy,
         "show what accuracy costs: error against seconds",
         "bottle.step --wall 3 --measure -o prices",
+    ),
+    "compare": (
+        _prepare_compare,
+        _compare,
+        "hold a camera's image against a golden one",
+        "golden.exr camera.png --report r.json --overlay o.png",
     ),
     "glasses": (_prepare_glasses, _glasses, "list the glasses and the liquids that fill them", "--json"),
     "stations": (

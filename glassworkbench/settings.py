@@ -17,12 +17,21 @@ USER_GLASSES = "GLASSWORKBENCH_GLASSES"
 """The environment variable that names the folder of the user's own glasses."""
 
 
+def user_folder(kind: str) -> Path:
+    """Return the folder of the user's own ``"glasses"`` or ``"stations"``, which need not exist.
+
+    The environment variable GLASSWORKBENCH_KIND names it, in capitals; else it lies where the system keeps such files.
+    """
+    named = os.environ.get(f"GLASSWORKBENCH_{kind.upper()}")
+    if named:
+        return Path(named)
+    data = os.environ.get("APPDATA") or os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share"
+    return Path(data) / "glassworkbench" / kind
+
+
 def user_glasses() -> Path:
     """Return the folder of the user's own glasses, which need not exist."""
-    if os.environ.get(USER_GLASSES):
-        return Path(os.environ[USER_GLASSES])
-    data = os.environ.get("APPDATA") or os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share"
-    return Path(data) / "glassworkbench" / "glasses"
+    return user_folder("glasses")
 
 
 def read_toml(path: str | Path) -> dict:

@@ -27,7 +27,7 @@ PROGRAM = ROOT / "bin" / "glassworkbench"
 BALL = str(ROOT / "examples" / "scenes" / "ball_lens.toml")
 TUMBLER = str(ROOT / "examples" / "scenes" / "tumbler.toml")
 WINE_BOTTLE = str(ROOT / "examples" / "molds" / "wine_bottle.step")
-VERBS = ("inspect", "hollow", "render", "accuracy", "glasses", "stations")
+VERBS = ("inspect", "hollow", "render", "accuracy", "compare", "glasses", "stations")
 FREECADCMD = shutil.which("freecadcmd")
 
 
@@ -122,7 +122,9 @@ def test_catalogues_are_listed(capsys):
     assert len(listed["glasses"][0]["absorption_per_mm"]) == 3
     assert "scatters" in listed["refused"]["opal"]
     assert main(["stations"]) == 0
-    assert [line.split()[0] for line in capsys.readouterr().out.splitlines()] == ["studio", "sidewall"]
+    listed = [line.split()[0] for line in capsys.readouterr().out.splitlines()]
+    assert listed[0] == "studio"
+    assert {"sidewall", "dark_field", "gradient", "stripes", "base", "finish"} <= set(listed)
 
 
 def test_one_glass_is_told_with_colour_density_index_and_sources(capsys):
@@ -148,10 +150,12 @@ def test_glasses_are_drawn(tmp_path, capsys):
 
 def test_a_station_is_previewed(tmp_path, capsys):
     assert main(["stations", "--preview", "sidewall", "-o", str(tmp_path / "x.png")]) == 0
-    image = read_image(tmp_path / "x.png")
-    assert image.metadata["station"] == "sidewall"
-    assert image.pixels[160, 3].min() > 0.99
-    assert image.pixels[:, 40:200].min() < 0.3
+    drawn = read_image(tmp_path / "x.png")
+    height, width = drawn.pixels.shape[:2]
+    assert width > 2 * height > 800
+    # The tumbler in the last third, dark at its edge on a bright panel.
+    seen = drawn.pixels[height // 2, -width // 5 :].min(axis=1)
+    assert seen.min() < 0.2 < 0.9 < seen.max()
     assert capsys.readouterr().out == ""
 
 

@@ -86,6 +86,8 @@ def test_what_is_no_thickness_is_refused_in_one_sentence(can, wall):
         lambda: gw.find_glass(None),
         lambda: gw.station("studio", None, "flint"),
         lambda: gw.render(None),
+        lambda: gw.read_golden(None),
+        lambda: gw.compare(None, None),
         lambda: RegionalThickness(3),
         lambda: RegionalThickness(("body",)),
         lambda: FaceThickness(3, 2.0),

@@ -8,7 +8,7 @@ from glassworkbench.glass import find_filling, find_glass
 from glassworkbench.scene import ContainerGeometry, Environment, Panel, Revolved
 from glassworkbench.scene.cameras import camera_frame
 from glassworkbench.staging import Fill, parse_fill, station, stations
-from glassworkbench.staging.studio import studio_light
+from glassworkbench.staging.sky import sky_light
 
 PROPORTIONS = {"bottle": (38.0, 300.0), "dish": (120.0, 40.0), "ampoule": (5.0, 200.0)}
 
@@ -81,7 +81,7 @@ def test_the_studio_is_lit_from_all_around_and_brightest_in_its_soft_boxes():
 def test_studio_light_follows_its_formula():
     box = {"azimuth_deg": 170, "elevation_deg": 20, "half_width_deg": 22, "half_height_deg": 35}
     box |= {"softness_deg": 1.5, "radiance": (6, 6, 6)}
-    light = studio_light((0.1, 0.1, 0.1), (1.0, 1.0, 1.0), (box,), rows=180)
+    light = sky_light((0.1, 0.1, 0.1), (1.0, 1.0, 1.0), (box,), rows=180)
     # Row 70 is at 19.5 degrees of elevation; column 5 at -174.5 degrees of azimuth, across the seam from 170.
     height = 0.5 + 0.5 * np.sin(np.radians(19.5))
     blend = height**2 * (3 - 2 * height)
@@ -99,7 +99,8 @@ def test_media_come_from_glass_and_filling():
     assert table[inside["outer"]] == table[inside["outer"] | inside["fill"]] == 1
     assert table[inside["outer"] | inside["cavity"] | inside["fill"]] == 2
     assert table[inside["outer"] | inside["cavity"]] == table[inside["fill"]] == 0
-    assert scene.metadata == {"glass": "amber", "station": "studio", "fill": "water:200"}
+    told = {"glass": "amber", "station": "studio", "fill": "water:200"}
+    assert told.items() <= scene.metadata.items()
 
 
 def test_a_filling_reaches_past_the_cavity_up_to_its_level():
@@ -135,7 +136,8 @@ def test_an_impossible_fill_is_refused(fill, message):
 
 
 def test_stations_are_described_and_an_unknown_one_suggests_the_nearest():
-    assert set(stations()) == {"studio", "sidewall"}
+    assert next(iter(stations())) == "studio"
+    assert {"sidewall", "dark_field", "gradient", "stripes", "base", "finish"} <= set(stations())
     assert all(stations().values())
     with pytest.raises(InputError, match="0x10 pixels"):
         station("studio", BOTTLE, "flint", size=(0, 10))

@@ -5,7 +5,7 @@ set -eu
 packages="
     freecad python3-numpy python3-openimageio python3-tqdm
     g++ cmake make
-    python3-pytest python3-hypothesis python3-scipy python3-matplotlib
+    python3-pytest python3-hypothesis python3-scipy python3-skimage python3-matplotlib
     xvfb xauth x11-utils imagemagick libgl1-mesa-dri
     clang-format python3-venv
 "

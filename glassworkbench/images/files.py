@@ -92,3 +92,19 @@ def _text(spec: OpenImageIO.ImageSpec) -> dict[str, str]:
     except ValueError:
         return {}
     return {str(key): str(value) for key, value in text.items()} if isinstance(text, dict) else {}
+
+
+def stored_bits(path: str | Path) -> int | None:
+    """Return how many bits an image file stores of each channel, 8, 16 or 32; None where they are floating-point.
+
+    Raises
+    ------
+    InputError
+        If OpenImageIO cannot read it.
+    """
+    source = OpenImageIO.ImageInput.open(str(path))
+    if source is None:
+        raise InputError(f"{path}: not an image that can be read ({OpenImageIO.geterror()})")
+    kind = source.spec().format
+    source.close()
+    return None if kind.basetype in (OpenImageIO.FLOAT, OpenImageIO.HALF, OpenImageIO.DOUBLE) else 8 * kind.basesize()

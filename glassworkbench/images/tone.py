@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+LUMINANCE = (0.2126, 0.7152, 0.0722)
+"""Share of linear R, G and B (Rec. ITU-R BT.709) in the luminance."""
+
 BAND = 64
 """Rows that are encoded at a time, so that a large picture needs little memory beside itself."""
 
@@ -25,3 +28,8 @@ def from_display(encoded: np.ndarray, exposure: float = 0.0) -> np.ndarray:
     encoded = np.asarray(encoded, dtype=np.float64)
     linear = np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
     return linear * 2.0**-exposure
+
+
+def luminance(radiance: np.ndarray) -> np.ndarray:
+    """Return the luminance (h, w) of linear radiance (h, w, 3)."""
+    return np.asarray(radiance, dtype=np.float64) @ np.array(LUMINANCE)

@@ -17,6 +17,7 @@ from glassworkbench.scene.lights import Environment, Light, Panel
 from glassworkbench.scene.media import Medium
 from glassworkbench.scene.mesh import Mesh
 from glassworkbench.scene.meshes import read_mesh
+from glassworkbench.scene.placing import placed, rotation
 from glassworkbench.scene.scene import Scene
 from glassworkbench.scene.validate import file_path, finite, finite_array, unit_vector
 from glassworkbench.settings import check_keys, read_toml, unknown_name
@@ -188,16 +189,5 @@ def _placed(surface: Surface, table: Mapping) -> Surface:
     check_keys(table, (), ("position", "axis", "angle_deg"), "placement")
     position = finite_array(table.get("position", (0.0, 0.0, 0.0)), (3,), "placement position")
     axis = unit_vector(table.get("axis", (0.0, 0.0, 1.0)), "placement axis")
-    turn = _rotation(axis, np.radians(finite(table.get("angle_deg", 0.0), "placement angle_deg")))
-    if isinstance(surface, Revolved):
-        return Revolved(surface.meridian, position + turn @ surface.base_mm, turn @ surface.axis)
-    if isinstance(surface, Ellipsoid):
-        return Ellipsoid(position + turn @ surface.centre_mm, surface.semi_axes_mm, turn @ surface.rotation)
-    return surface.placed(turn, position)
-
-
-def _rotation(axis: np.ndarray, angle_rad: float) -> np.ndarray:
-    """Return the matrix of Rodrigues' rotation."""
-    x, y, z = axis
-    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.eye(3) + np.sin(angle_rad) * cross + (1.0 - np.cos(angle_rad)) * cross @ cross
+    turn = rotation(axis, np.radians(finite(table.get("angle_deg", 0.0), "placement angle_deg")))
+    return placed(surface, turn, position)

@@ -10,6 +10,7 @@ from glassworkbench.errors import InputError
 from glassworkbench.glass import Filling, Glass, find_filling
 from glassworkbench.scene import Body, ContainerGeometry, Medium, Revolved
 from glassworkbench.scene.validate import positive
+from glassworkbench.staging.pose import Pose
 
 USUAL_LEVEL = 0.8
 """Level of a filling for which none is given, as a part of the finish's height."""
@@ -57,15 +58,18 @@ def parse_fill(text: str) -> Fill:
     return Fill(find_filling(liquid), level_mm) if colon else Fill(find_filling(text))
 
 
-def bodies(geometry: ContainerGeometry, fill: Fill | None) -> tuple[Body, ...]:
+def bodies(geometry: ContainerGeometry, fill: Fill | None, pose: Pose) -> tuple[Body, ...]:
     """Return the bodies outer, cavity (if it has one) and, if there is a `fill`, fill.
+
+    The container stands in its pose; the liquid's surface stays level, and at its height where the container is
+    tilted about the middle of its base.
 
     Raises
     ------
     InputError
         If the level does not lie below the finish, or there is no cavity to fill.
     """
-    outer = Body("outer", geometry.outer)
+    outer = Body("outer", pose.applied(geometry.outer))
     if geometry.cavity is None:
         if fill is not None:
             raise InputError(
@@ -73,7 +77,7 @@ def bodies(geometry: ContainerGeometry, fill: Fill | None) -> tuple[Body, ...]:
                 "or make the container of its mold"
             )
         return (outer,)
-    container = (outer, Body("cavity", geometry.cavity))
+    container = (outer, Body("cavity", pose.applied(geometry.cavity)))
     if fill is None:
         return container
     level = USUAL_LEVEL * geometry.finish_height_mm if fill.level_mm is None else fill.level_mm
@@ -81,7 +85,7 @@ def bodies(geometry: ContainerGeometry, fill: Fill | None) -> tuple[Body, ...]:
         raise InputError(
             f"fill {fill}: the level must lie below the finish at {geometry.finish_height_mm:.4g} mm; lower it"
         )
-    return (*container, Body("fill", _cylinder_around(geometry, level)))
+    return (*container, Body("fill", _cylinder_around(geometry, level, pose)))
 
 
 def media(geometry: ContainerGeometry, glass: Glass, fill: Fill | None) -> tuple[Medium, ...]:
@@ -93,11 +97,13 @@ def media(geometry: ContainerGeometry, glass: Glass, fill: Fill | None) -> tuple
     return (wall, Medium.of("cavity and fill", fill.liquid))
 
 
-def _cylinder_around(geometry: ContainerGeometry, level_mm: float) -> Revolved:
+def _cylinder_around(geometry: ContainerGeometry, level_mm: float, pose: Pose) -> Revolved:
     """Return a cylinder wider than the container: its side and bottom bound no medium, only its top is seen."""
-    radius = 1.01 * float(np.hypot(*np.maximum(np.abs(geometry.low_mm), np.abs(geometry.high_mm))[:2]))
-    bottom = float(geometry.low_mm[2]) - 0.01 * radius
+    reach = np.maximum(np.abs(geometry.low_mm), np.abs(geometry.high_mm))
+    # Tilted, the container may lie anywhere in a ball about the middle of its base.
+    radius = 1.01 * float(np.hypot(*reach[:2]) if pose.tilt_deg == 0.0 else np.linalg.norm(reach))
+    bottom = float(geometry.low_mm[2]) - (0.01 if pose.tilt_deg == 0.0 else 1.0) * radius
     corners = np.array([(0.0, bottom), (radius, bottom), (radius, level_mm), (0.0, level_mm)])
     steps = np.linspace(0.0, 1.0, 4)[None, :, None]
     lines = corners[:-1, None] * (1.0 - steps) + corners[1:, None] * steps
-    return Revolved(np.concatenate([lines, np.ones((3, 4, 1))], axis=2))
+    return Revolved(np.concatenate([lines, np.ones((3, 4, 1))], axis=2), base_mm=pose.offset_mm)

@@ -16,8 +16,8 @@ from glassworkbench.tracer.extent import longest_chord_mm
 EFFECTS = ("absorption",)
 
 PRUNED_SHARE = 0.025
-"""The cut-off as a share of the tolerance (measured on the peers' bottle: what is left out may lead to light that differs
-from all other, and the paths that are kept are found again at a pixel's other corners)."""
+"""The cut-off as a share of the tolerance (measured on the peers' bottle: what is left out may lead to light that
+differs from all other, and the paths that are kept are found again at a pixel's other corners)."""
 
 LARGEST_CUTOFF = 0.1
 """A first glance should still show a reflection of a tenth."""

@@ -1,4 +1,4 @@
-"""The designer's studio: the container from slightly above, under a soft sky with a few soft boxes."""
+"""The designer's sky: a soft gradient from ground to zenith, with a few soft boxes."""
 
 from __future__ import annotations
 
@@ -6,42 +6,14 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from glassworkbench.scene import ContainerGeometry, Environment, Pinhole
-from glassworkbench.staging.framing import framing_camera
 
-
-def studio(
-    geometry: ContainerGeometry,
-    size: tuple[int, int],
-    *,
-    camera: Mapping[str, float],
-    ground: Sequence[float],
-    sky: Sequence[float],
-    soft_boxes: Sequence[Mapping],
-) -> tuple[tuple[Environment, ...], Pinhole]:
-    """Return the lights and the camera.
-
-    Parameters
-    ----------
-    geometry : ContainerGeometry
-    size : (int, int)
-        Width and height of the image in pixels.
-    camera : mapping
-        The arguments of `framing_camera` after the size.
-    ground, sky, soft_boxes
-        As in `studio_light`.
-    """
-    light = Environment(studio_light(ground, sky, soft_boxes))
-    return (light,), framing_camera(geometry, size, **camera)
-
-
-def studio_light(
+def sky_light(
     ground: Sequence[float],
     sky: Sequence[float],
     soft_boxes: Sequence[Mapping],
     rows: int = 512,
 ) -> np.ndarray:
-    """Return the studio's light as a latitude-longitude map.
+    """Return the sky's light as a latitude-longitude map.
 
     Parameters
     ----------
