@@ -23,6 +23,7 @@ MAY_IMPORT = {
     "scene": COMMON | {"glass", "images"},
     "staging": COMMON | {"glass", "scene"},
     "tracer": COMMON | {"scene", "images"},
+    "flaws": COMMON | {"scene", "tracer"},
     "mold": COMMON | {"freecad", "scene", "spatial"},
     "wall": COMMON | {"freecad", "scene", "glass", "mold", "spatial"},
 }
