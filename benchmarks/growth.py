@@ -20,9 +20,9 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
 
 import peers  # noqa: E402
 import tracer_scenes  # noqa: E402
-from patch_bodies import ball_patches, tessellated, turned_sheets  # noqa: E402
+from patch_bodies import ball_patches, tessellated  # noqa: E402
 
-from glassworkbench.scene import Body, Environment, Medium, Patches, Pinhole, Scene, Sheet  # noqa: E402
+from glassworkbench.scene import Body, Ellipsoids, Environment, Medium, Pinhole, Scene, Sheet  # noqa: E402
 from glassworkbench.tracer import render  # noqa: E402
 from glassworkbench.tracer.native import NativeScene  # noqa: E402
 
@@ -110,36 +110,26 @@ def cutoff():
 
 
 def bubbles():
-    """A box of 60 mm with spherical bubbles of 0.3 mm, all of them one body of exact patches."""
+    """A box of 60 mm with ellipsoidal bubbles of up to 0.3 mm, all of them one body; set-up checks that none touch."""
     box = Body("box", tracer_scenes.box_mesh((-31.0,) * 3, (31.0,) * 3))
     rays = tracer_scenes.rays_at((-30.0,) * 3, (30.0,) * 3, RAYS, seed=4)
     for count in (0, 10, 100, 1000, 10_000):
-        bodies = (box, Body("bubbles", spheres(count))) if count else (box,)
+        started = time.process_time()
+        bodies = (box, Body("bubbles", ellipsoids(count))) if count else (box,)
+        checked = time.process_time() - started
         where = "box and not bubbles" if count else "box"
         scene = Scene(bodies, (Medium(where, 1.52),), (Environment(1.0),), tracer_scenes.CAMERA)
-        yield count, *tracing(scene, rays)
+        set_up, traced = tracing(scene, rays)
+        yield count, checked + set_up, traced
 
 
-def spheres(count, radius=0.3):
-    """Spheres that do not touch, at random places of a lattice: one sheet of four by two patches each."""
-    meridian = [tracer_scenes.arc((0.0, 0.0), radius, start, start + 90.0) for start in (-90.0, 0.0)]
-    points = np.array([sheet.control_points[0, 0] for sheet in turned_sheets(meridian)])
-    points = points.reshape(2, 4, *points.shape[1:]).swapaxes(0, 1)
-    one = tessellated([Sheet(points, np.arange(5.0), np.arange(3.0))], 8, 4)
+def ellipsoids(count):
+    """Ellipsoids that do not touch, at random places of a lattice."""
     rng = np.random.default_rng(5)
     lattice = np.stack(np.meshgrid(*[np.arange(25) - 12.0] * 3), axis=-1).reshape(-1, 3) * 2.4
     centres = rng.permutation(lattice)[:count] + rng.uniform(-0.8, 0.8, (count, 3))
-    shifted = [one.placed(np.eye(3), centre) for centre in centres]
-    first = len(one.mesh.vertices_mm) * np.arange(count)
-    return Patches(
-        [body.sheets[0] for body in shifted],
-        type(one.mesh)(
-            np.concatenate([body.mesh.vertices_mm for body in shifted]),
-            (one.mesh.triangles + first[:, None, None]).reshape(-1, 3),
-        ),
-        np.repeat(np.arange(count), len(one.mesh.triangles)),
-        np.tile(one.uv_of_corner, (count, 1, 1)),
-    )
+    turns = np.linalg.qr(rng.normal(size=(count, 3, 3)))[0]
+    return Ellipsoids(centres, rng.uniform(0.1, 0.3, (count, 3)), turns)
 
 
 def triangles():

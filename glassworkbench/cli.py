@@ -21,6 +21,8 @@ from pathlib import Path
 
 from glassworkbench import __version__
 from glassworkbench.errors import GlassWorkbenchError, InputError
+from glassworkbench.flaws import kinds, parse_defects, populations, with_defects
+from glassworkbench.flaws.kinds import described
 from glassworkbench.glass import Filling, Glass, catalogue, facts, fillings, find_filling, find_glass, refused
 from glassworkbench.glass.facts import in_words
 from glassworkbench.glass.pictures import CURVES, SWATCHES, save_curves, save_swatches
@@ -398,6 +400,11 @@ def _add_view_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--station", metavar="S", help="where it is seen (studio); the verb stations lists them")
     parser.add_argument("--glass", metavar="G", help="what it is made of (flint); the verb glasses lists them")
     parser.add_argument("--fill", metavar="LIQUID[:LEVEL_MM]", help="what it holds, and up to what height")
+    parser.add_argument(
+        "--defects",
+        metavar="FILE|POPULATION:SEED",
+        help="what is wrong with it: a list in a .toml file, or drawn, as seedy:1; the verb defects lists them",
+    )
     parser.add_argument("--size", type=_size, metavar="WxH", help="of the image, in pixels (480x640, or the sensor's)")
     parser.add_argument("--threads", type=int, metavar="N", help="all processors where not given")
 
@@ -468,6 +475,7 @@ def _scene(options: argparse.Namespace) -> Scene:
             "station",
             "glass",
             "fill",
+            "defects",
         ):
             if getattr(options, name):
                 raise InputError(
@@ -477,10 +485,13 @@ def _scene(options: argparse.Namespace) -> Scene:
         return scene if options.size is None else dataclasses.replace(scene, size=options.size)
     glass = find_glass(options.glass or "flint")
     fill = parse_fill(options.fill) if options.fill else None
+    defects = parse_defects(options.defects) if options.defects else None
     view = options.station or "studio"
     check_station(view)
     geometry = _container_as_it_is(options) if options.wall is None else _container(options, _mold(options)).geometry()
     scene = station(view, geometry, glass, fill, options.size)
+    if defects is not None:
+        scene = with_defects(scene, geometry, defects.on(geometry))
     told = {"mold": Path(options.mold).name, "wall": options.wall or "as it is"}
     return dataclasses.replace(scene, metadata=told | dict(scene.metadata))
 
@@ -723,6 +734,27 @@ def _told_of_comparison(report: Mapping) -> str:
     return f"{', '.join(told)} ({moved}, gain {found['gain']:.3f})"
 
 
+# defects
+
+
+def _prepare_defects(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("name", nargs="?", metavar="NAME", help="tell what can be said of this kind")
+    parser.add_argument("--json", action="store_true", help="answer in JSON")
+
+
+def _defects(options: argparse.Namespace) -> None:
+    if options.name is not None:
+        told = described(options.name)
+        print(_json(told) if options.json else "\n".join(f"{key:18} {value}" for key, value in told.items()))
+    elif options.json:
+        print(_json({"kinds": kinds(), "populations": populations()}))
+    else:
+        for group, known in (("kinds", kinds()), ("populations", populations())):
+            print(group)
+            for name, what in known.items():
+                print(f"  {name:14} {what}")
+
+
 # what verbs share
 
 
@@ -740,6 +772,8 @@ def _check_files(options: argparse.Namespace, outputs: Sequence[Path]) -> None:
         from glassworkbench.wall.asking.thickness_text import table_file
 
         read.append(table_file(options.wall))
+    if getattr(options, "defects", None):
+        read.append(options.defects)
     taken = {Path(path).resolve(): "it is read from, and would be overwritten" for path in read}
     for path in outputs:
         if path.resolve() in taken:
@@ -819,6 +853,12 @@ _VERBS = {
         _stations,
         "list the stations where a container is seen",
         "--preview studio -o studio.png",
+    ),
+    "defects": (
+        _prepare_defects,
+        _defects,
+        "list the kinds of defects, and the populations they are drawn from",
+        "stone",
     ),
 }
 

@@ -24,6 +24,7 @@ MAY_IMPORT = {
     "staging": COMMON | {"glass", "images", "scene"},
     "judging": COMMON | {"images", "scene"},
     "tracer": COMMON | {"scene", "images"},
+    "flaws": COMMON | {"scene", "tracer"},
     "pricing": COMMON | {"scene", "images", "tracer"},
     "mold": COMMON | {"freecad", "scene", "spatial"},
     "wall": COMMON | {"freecad", "scene", "glass", "mold", "spatial"},

@@ -27,7 +27,7 @@ PROGRAM = ROOT / "bin" / "glassworkbench"
 BALL = str(ROOT / "examples" / "scenes" / "ball_lens.toml")
 TUMBLER = str(ROOT / "examples" / "scenes" / "tumbler.toml")
 WINE_BOTTLE = str(ROOT / "examples" / "molds" / "wine_bottle.step")
-VERBS = ("inspect", "hollow", "render", "accuracy", "compare", "glasses", "stations")
+VERBS = ("inspect", "hollow", "render", "accuracy", "compare", "glasses", "stations", "defects")
 FREECADCMD = shutil.which("freecadcmd")
 
 
@@ -181,6 +181,8 @@ def in_folder(word, folder):
         ([*MOLD, "--fill", "watr"], "did you mean 'water'"),
         (["render", WINE_BOTTLE, "-o", "{folder}/x.png"], "as --wall 3"),
         ([*SCENE, "--wall", "3"], "--wall: the scene file"),
+        ([*SCENE, "--defects", "seedy:1"], "--defects: the scene file"),
+        ([*MOLD, "--defects", "sedy:1"], "did you mean 'seedy'"),
         ([*SCENE, "--size", "40"], "write width and height"),
         ([*SCENE, "--size", "0x40"], "0x40 pixels"),
         ([*SCENE, "--size=-4x40"], "write width and height"),

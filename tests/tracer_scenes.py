@@ -5,7 +5,19 @@ from itertools import pairwise
 import numpy as np
 from patch_bodies import ball_patches, pebble_patches, quarter_arc, turned_patches
 
-from glassworkbench.scene import Body, Ellipsoid, Environment, Medium, Mesh, Panel, Patches, Pinhole, Revolved, Scene
+from glassworkbench.scene import (
+    Body,
+    Ellipsoid,
+    Ellipsoids,
+    Environment,
+    Medium,
+    Mesh,
+    Panel,
+    Patches,
+    Pinhole,
+    Revolved,
+    Scene,
+)
 
 SODA_LIME = 1.52338
 WATER = 1.3334
@@ -196,6 +208,21 @@ def seeds():
     return Scene(bodies, media, (sky(seed=8), _panel()), CAMERA)
 
 
+def bubbles():
+    """A drop of glass with bubbles and flat films askew, one body of them, and grains that absorb."""
+    rng = np.random.default_rng(12)
+    places = np.stack(np.meshgrid(*[np.arange(-2.0, 3.0)] * 3), axis=-1).reshape(-1, 3) * 5.0
+    turned = np.linalg.qr(rng.normal(size=(125, 3, 3)))[0]
+    semi_axes = 2.2 * 10.0 ** rng.uniform(-2.0, 0.0, (125, 3))
+    bodies = (
+        Body("drop", Ellipsoid((1.0, 2.0, 3.0), (26.0, 21.0, 25.0))),
+        Body("bubbles", Ellipsoids(places[::2], semi_axes[::2], turned[::2])),
+        Body("grains", Ellipsoids(places[1::2], semi_axes[1::2], turned[1::2])),
+    )
+    media = (Medium("grains", 1.7, (3.0, 2.0, 1.0)), Medium("drop and not bubbles", SODA_LIME, (0.01, 0.0, 0.01)))
+    return Scene(bodies, media, (sky(seed=11), _panel()), CAMERA)
+
+
 def meshes():
     """A box of glass with a smooth-shaded ball of air in it, and a revolved core of water in the ball."""
     bodies = (
@@ -238,6 +265,7 @@ SCENES = {
     "goblet": goblet,
     "ring": ring,
     "seeds": seeds,
+    "bubbles": bubbles,
     "meshes": meshes,
     "patches": patches,
 }
@@ -274,6 +302,8 @@ def bounds(scene):
             for z in (surface.meridian[:, :, 1].min(), surface.meridian[:, :, 1].max()):
                 end = surface.base_mm + z * surface.axis
                 corners += [end - radius, end + radius]
+        elif isinstance(surface, Ellipsoids):
+            corners += [surface.centres_mm.min(axis=0), surface.centres_mm.max(axis=0)]
         elif surface.semi_axes_mm.max() < 50.0:
             reach = surface.semi_axes_mm.max()
             corners += [surface.centre_mm - reach, surface.centre_mm + reach]

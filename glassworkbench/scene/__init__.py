@@ -6,6 +6,7 @@ Units are millimetres and radians unless a name says otherwise.
 
 from glassworkbench.scene.bodies import Body, ContainerGeometry, Ellipsoid, Revolved, Surface
 from glassworkbench.scene.cameras import Camera, Pinhole, Telecentric
+from glassworkbench.scene.ellipsoids import Ellipsoids
 from glassworkbench.scene.lights import Environment, Light, Panel
 from glassworkbench.scene.media import Medium, medium_table
 from glassworkbench.scene.mesh import Mesh
@@ -18,6 +19,7 @@ __all__ = [
     "Camera",
     "ContainerGeometry",
     "Ellipsoid",
+    "Ellipsoids",
     "Environment",
     "Light",
     "Medium",

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from glassworkbench.errors import InputError
+from glassworkbench.scene.ellipsoids import Ellipsoids
 from glassworkbench.scene.mesh import Mesh
 from glassworkbench.scene.patches import Patches
 from glassworkbench.scene.validate import finite_array, positive, unit_vector
@@ -135,7 +136,7 @@ class Ellipsoid:
         object.__setattr__(self, "rotation", rotation)
 
 
-Surface = Revolved | Mesh | Ellipsoid | Patches
+Surface = Revolved | Mesh | Ellipsoid | Ellipsoids | Patches
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from glassworkbench.scene import Mesh, Patches, Revolved, Scene
+from glassworkbench.scene import Ellipsoids, Mesh, Patches, Revolved, Scene
 
 
 def longest_chord_mm(scene: Scene) -> float:
@@ -28,6 +28,9 @@ def box_mm(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
             ends = [surface.base_mm + height * surface.axis for height in (z.min(), z.max())]
             reach = r * np.sqrt(np.maximum(0.0, 1.0 - surface.axis**2))
             corners += [end + sign * reach for end in ends for sign in (-1.0, 1.0)]
+        elif isinstance(surface, Ellipsoids):
+            reach = surface.reaches_mm()
+            corners += [(surface.centres_mm - reach).min(axis=0), (surface.centres_mm + reach).max(axis=0)]
         else:
             reach = np.full(3, surface.semi_axes_mm.max())
             corners += [surface.centre_mm - reach, surface.centre_mm + reach]

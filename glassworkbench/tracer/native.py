@@ -12,7 +12,7 @@ import numpy as np
 from numpy.ctypeslib import ndpointer
 
 from glassworkbench.errors import Cancelled, GlassWorkbenchError, InputError
-from glassworkbench.scene import Body, Environment, Mesh, Panel, Patches, Revolved, Scene, Telecentric
+from glassworkbench.scene import Body, Ellipsoids, Environment, Mesh, Panel, Patches, Revolved, Scene, Telecentric
 from glassworkbench.scene.cameras import Camera, camera_frame
 from glassworkbench.scene.validate import finite_array, unit_vector
 from glassworkbench.tracer.control import Cancel, Control
@@ -23,7 +23,7 @@ from glassworkbench.tracer.result import Crossing, Radiance
 LIBRARY_FOLDER = Path(os.environ.get("GLASSWORKBENCH_LIBRARIES", Path(__file__).with_name("native") / "lib"))
 """Another folder holds other builds, such as those of 'make sanitize'."""
 
-INTERFACE_VERSION = 4
+INTERFACE_VERSION = 5
 BUILDS_BY_VECTOR_WIDTH = {2: ("baseline",), 4: ("v3", "baseline"), 8: ("v4", "v3", "baseline")}
 
 _DOUBLES = ndpointer(np.float64, flags="C_CONTIGUOUS")
@@ -258,6 +258,14 @@ class NativeScene:
             )
         elif isinstance(surface, Patches):
             self._add_patches(surface)
+        elif isinstance(surface, Ellipsoids):
+            self._call(
+                "glass_add_ellipsoids",
+                len(surface.centres_mm),
+                surface.centres_mm,
+                surface.semi_axes_mm,
+                surface.rotations,
+            )
         else:
             self._call("glass_add_ellipsoid", surface.centre_mm, surface.semi_axes_mm, surface.rotation)
 
@@ -366,6 +374,7 @@ def _declare(library: ctypes.CDLL) -> None:
             ),
         ),
         "glass_add_ellipsoid": (int32, (handle, _DOUBLES, _DOUBLES, _DOUBLES)),
+        "glass_add_ellipsoids": (int32, (handle, int64, *[_DOUBLES] * 3)),
         "glass_set_media": (int32, (handle, _INT32S, int64, _DOUBLES, _DOUBLES, int64)),
         "glass_add_panel": (int32, (handle, _DOUBLES, _DOUBLES, _DOUBLES, _DOUBLES)),
         "glass_set_environment": (int32, (handle, _DOUBLES, int64, int64)),

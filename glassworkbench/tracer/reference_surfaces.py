@@ -8,11 +8,11 @@ decide alike, so a line that enters a closed body also leaves it.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from glassworkbench.scene import Ellipsoid, Mesh, Patches, Revolved, Surface
+from glassworkbench.scene import Ellipsoid, Ellipsoids, Mesh, Patches, Revolved, Surface
 from glassworkbench.tracer.reference_patches import PatchesCrosser, winding
 from glassworkbench.tracer.reference_revolved import RevolvedCrosser
 
@@ -57,6 +57,8 @@ def crosser(surface: Surface) -> Crosser:
         return _in_chunks(_MeshCrosser(surface))
     if isinstance(surface, Patches):
         return _in_chunks(_cross_patches(PatchesCrosser(surface)))
+    if isinstance(surface, Ellipsoids):
+        return _in_chunks(_cross_ellipsoids(surface))
     return lambda origins, directions: _cross_ellipsoid(surface, origins, directions)
 
 
@@ -68,6 +70,8 @@ def largest_coordinate_mm(surface: Surface) -> float:
         return float(np.abs(surface.vertices_mm).max())
     if isinstance(surface, Patches):
         return 1.1 * float(np.abs(surface.mesh.vertices_mm).max())
+    if isinstance(surface, Ellipsoids):
+        return float((np.abs(surface.centres_mm) + surface.reaches_mm()).max())
     return float(np.abs(surface.centre_mm).max() + surface.semi_axes_mm.max())
 
 
@@ -105,12 +109,34 @@ def _cross_patches(cross: PatchesCrosser) -> Crosser:
 # ---------------------------------------------------------------------------------------------------------------
 # Ellipsoids
 
+ELLIPSOIDS_A_LEAF = 4
+
 
 def _cross_ellipsoid(ellipsoid: Ellipsoid, origins: np.ndarray, directions: np.ndarray) -> Crossings:
-    """Cross an ellipsoid as the unit sphere it is in its own coordinates, from the point nearest to its centre."""
     to_sphere = ellipsoid.rotation / ellipsoid.semi_axes_mm
-    origin = (origins - ellipsoid.centre_mm) @ to_sphere
-    direction = directions @ to_sphere
+    return _cross_unit_spheres(origins - ellipsoid.centre_mm, directions, np.tile(to_sphere, (len(origins), 1, 1)))
+
+
+def _cross_ellipsoids(ellipsoids: Ellipsoids) -> Crosser:
+    reach = ellipsoids.reaches_mm()
+    tree = _BoxTree(ellipsoids.centres_mm - reach, ellipsoids.centres_mm + reach, ELLIPSOIDS_A_LEAF)
+    to_sphere = ellipsoids.rotations / ellipsoids.semi_axes_mm[:, None, :]
+
+    def cross_lines(origins: np.ndarray, directions: np.ndarray) -> Crossings:
+        line, number = tree.candidates(origins, directions)
+        found = _cross_unit_spheres(origins[line] - ellipsoids.centres_mm[number], directions[line], to_sphere[number])
+        return replace(found, line=line[found.line])
+
+    return cross_lines
+
+
+def _cross_unit_spheres(origins: np.ndarray, directions: np.ndarray, to_sphere: np.ndarray) -> Crossings:
+    """Cross lines each with its own unit sphere, from the point nearest to its centre.
+
+    Row vectors from the centre, times `to_sphere` (n, 3, 3), are in the sphere's coordinates.
+    """
+    origin = np.einsum("ki,kij->kj", origins, to_sphere)
+    direction = np.einsum("ki,kij->kj", directions, to_sphere)
     speed_squared = _dot(direction, direction)
     nearest = -_dot(origin, direction) / speed_squared
     foot = origin + nearest[:, None] * direction
@@ -123,7 +149,7 @@ def _cross_ellipsoid(ellipsoid: Ellipsoid, origins: np.ndarray, directions: np.n
     line = np.concatenate([line, line])
     step = np.concatenate([-half, half])
     point = foot[line] + step[:, None] * direction[line]
-    normal = _unit(point @ to_sphere.T)
+    normal = _unit(np.einsum("kj,kij->ki", point, to_sphere[line]))
     distance = nearest[line] + correction[line] + step
     return Crossings(line, distance, step < 0.0, normal, normal)
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "ellipsoid.hpp"
+#include "ellipsoids.hpp"
 #include "mesh.hpp"
 #include "patch.hpp"
 #include "revolved.hpp"
@@ -130,7 +131,7 @@ struct Camera {
     }
 };
 
-using Surface = std::variant<Revolved, Patches, Mesh, Ellipsoid>;
+using Surface = std::variant<Revolved, Patches, Mesh, Ellipsoid, Ellipsoids>;
 
 struct Scene {
     std::vector<Surface> bodies;

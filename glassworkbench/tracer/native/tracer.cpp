@@ -35,6 +35,12 @@ void put(const glass::Colour& colour, Number* p) {
     p[2] = static_cast<Number>(colour.b);
 }
 
+glass::Ellipsoid ellipsoid_from(const double* centre, const double* semi_axes, const double* rotation) {
+    glass::Rotation frame;
+    for (int k = 0; k < 3; ++k) frame.row[k] = {rotation[k], rotation[3 + k], rotation[6 + k]};
+    return {vector(centre), vector(semi_axes), frame};
+}
+
 glass::Camera camera_from(const glass_camera& c) {
     glass::Camera camera;
     camera.parallel = c.parallel != 0;
@@ -195,10 +201,16 @@ GLASS_EXPORT int32_t glass_add_patches(glass_scene* scene, const int32_t* shapes
 
 GLASS_EXPORT int32_t glass_add_ellipsoid(glass_scene* scene, const double* centre, const double* semi_axes,
                                          const double* rotation) {
+    return guarded([&] { return add(scene, ellipsoid_from(centre, semi_axes, rotation)); });
+}
+
+GLASS_EXPORT int32_t glass_add_ellipsoids(glass_scene* scene, int64_t n, const double* centres, const double* semi_axes,
+                                          const double* rotations) {
     return guarded([&] {
-        glass::Rotation frame;
-        for (int k = 0; k < 3; ++k) frame.row[k] = {rotation[k], rotation[3 + k], rotation[6 + k]};
-        return add(scene, glass::Ellipsoid(vector(centre), vector(semi_axes), frame));
+        std::vector<glass::Ellipsoid> ellipsoids;
+        for (int64_t i = 0; i < n; ++i)
+            ellipsoids.push_back(ellipsoid_from(centres + 3 * i, semi_axes + 3 * i, rotations + 9 * i));
+        return add(scene, glass::Ellipsoids(ellipsoids));
     });
 }
 

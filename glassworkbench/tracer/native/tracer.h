@@ -9,7 +9,7 @@
 extern "C" {
 #endif
 
-#define GLASS_INTERFACE_VERSION 4
+#define GLASS_INTERFACE_VERSION 5
 #define GLASS_OK 0
 #define GLASS_CANCELLED 1
 #define GLASS_FAILED 2
@@ -57,6 +57,9 @@ int32_t glass_add_patches(glass_scene* scene, const int32_t* shapes, int64_t she
                           const double* cone_sine /* m */);
 int32_t glass_add_ellipsoid(glass_scene* scene, const double* centre, const double* semi_axes,
                             const double* rotation /* 3 x 3, columns are the axes */);
+/* One body of n ellipsoids, at least one, that do not touch. */
+int32_t glass_add_ellipsoids(glass_scene* scene, int64_t n, const double* centres, const double* semi_axes,
+                             const double* rotations /* n x 3 x 3 */);
 int32_t glass_set_media(glass_scene* scene, const int32_t* medium_of_bits, int64_t combinations,
                         const double* refractive_indices, const double* absorptions /* media x 3 */, int64_t media);
 int32_t glass_add_panel(glass_scene* scene, const double* origin, const double* u, const double* v,

@@ -102,7 +102,7 @@ private:
         Ray ray;
         Colour weight;
         double kept;        // the weight at the last interface
-        std::uint64_t key;  // the same for paths that met the same bodies in the same ways
+        std::uint64_t key;  // the same for paths that met the same pieces of bodies in the same ways
         std::uint32_t bits;
         int depth;      // interfaces so far
         int crossings;  // crossings of any kind so far
@@ -118,7 +118,9 @@ private:
     Path start(const Ray& ray) const { return {ray, {1, 1, 1}, 1.0, 0, inside_bits(ray), 0, 0, -1, {}}; }
 
     static std::uint64_t extended(std::uint64_t key, const Next& next, bool through) {
-        key ^= (static_cast<std::uint64_t>(next.body) << 2 | std::uint64_t{next.hit.entering} << 1 | through) + 1;
+        key ^= (static_cast<std::uint64_t>(next.hit.component) << 8 | static_cast<std::uint64_t>(next.body) << 2 |
+                std::uint64_t{next.hit.entering} << 1 | through) +
+               1;
         return (key * 0x9E3779B97F4A7C15u) ^ (key >> 29);
     }
 

@@ -81,17 +81,20 @@ struct Box {
 
 // Where a ray crosses a surface. `part` and `u`, `v` say where on the surface; the surface itself knows the normal.
 // `slack` is how far along the ray it may lie from where its order among others is right: 0 but at creases.
+// `component` tells the pieces of a body apart that has several, each of them smooth.
 struct Hit {
     double t = INFINITY;
     bool entering = false;
     int part = -1;
     double u = 0.0, v = 0.0;
     double slack = 0.0;
+    int component = 0;
 
     Hit() = default;
     Hit(double t, bool entering, int part, double u, double v, double slack = 0.0)
         : t(t), entering(entering), part(part), u(u), v(v), slack(slack) {}
-    Hit(const Hit& o) : t(o.t), entering(o.entering), part(o.part), u(o.u), v(o.v), slack(o.slack) {}
+    Hit(const Hit& o)
+        : t(o.t), entering(o.entering), part(o.part), u(o.u), v(o.v), slack(o.slack), component(o.component) {}
     Hit& operator=(const Hit& o) {
         t = o.t;
         entering = o.entering;
@@ -99,6 +102,7 @@ struct Hit {
         u = o.u;
         v = o.v;
         slack = o.slack;
+        component = o.component;
         return *this;
     }
 };
