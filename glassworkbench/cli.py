@@ -22,7 +22,7 @@ from pathlib import Path
 from glassworkbench import __version__
 from glassworkbench.errors import GlassWorkbenchError, InputError
 from glassworkbench.flaws import kinds, parse_defects, populations, with_defects
-from glassworkbench.flaws.kinds import described
+from glassworkbench.flaws.kinds import described as described_defect
 from glassworkbench.glass import Filling, Glass, catalogue, facts, fillings, find_filling, find_glass, refused
 from glassworkbench.glass.facts import in_words
 from glassworkbench.glass.pictures import CURVES, SWATCHES, save_curves, save_swatches
@@ -744,7 +744,7 @@ def _prepare_defects(parser: argparse.ArgumentParser) -> None:
 
 def _defects(options: argparse.Namespace) -> None:
     if options.name is not None:
-        told = described(options.name)
+        told = described_defect(options.name)
         print(_json(told) if options.json else "\n".join(f"{key:18} {value}" for key, value in told.items()))
     elif options.json:
         print(_json({"kinds": kinds(), "populations": populations()}))
