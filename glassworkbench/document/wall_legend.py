@@ -18,7 +18,7 @@ NO_WALL_IS, NO_WALL_HEIGHT, LINE_HEIGHT = ("no wall", "mouth,", "lip, stem"), 0.
 """What grey is, in lines, the first beside it, and the room that they take below the bar."""
 
 STEPS = 5
-"""Thicknesses that are written beside the bar."""
+"""About how many thicknesses are written beside the bar."""
 
 FONT, FONT_PIXELS = "Arial", 13
 PAPER, INK = (0.97, 0.97, 0.98), (0.12, 0.12, 0.14)
@@ -55,9 +55,9 @@ def legend_node(low_mm: float, high_mm: float, place: int = 0) -> Any:
     legend.addChild(ink)
     legend.addChild(font)
     legend.addChild(_text("wall, mm", left, TOP + 0.5 * TITLE_HEIGHT))
-    for share in np.linspace(0.0, 1.0, STEPS):
-        height = BOTTOM + share * (TOP - BOTTOM)
-        legend.addChild(_text(f"{low_mm + share * (high_mm - low_mm):.2f}", left + 1.5 * BAR_WIDTH, height - 0.012))
+    for thickness in round_steps(low_mm, high_mm):
+        height = BOTTOM + (thickness - low_mm) / (high_mm - low_mm) * (TOP - BOTTOM)
+        legend.addChild(_text(f"{thickness:.2f}", left + 1.5 * BAR_WIDTH, height - 0.012))
     for line, words in enumerate(NO_WALL_IS):
         indent = 0.0 if line else 1.5 * BAR_WIDTH
         legend.addChild(_text(words, left + indent, beside - line * LINE_HEIGHT + 0.01))
@@ -66,6 +66,16 @@ def legend_node(low_mm: float, high_mm: float, place: int = 0) -> Any:
     group = coin.SoGroup() if apart.isBad() else apart.createInstance()
     group.addChild(legend)
     return group
+
+
+def round_steps(low_mm: float, high_mm: float) -> np.ndarray:
+    """Return the lower end of a range and about `STEPS` round thicknesses above it, as they are written."""
+    least = (high_mm - low_mm) / STEPS
+    power = 10.0 ** np.floor(np.log10(least))
+    step = power * next(factor for factor in (1.0, 2.0, 5.0, 10.0) if factor * power >= (1.0 - 1e-9) * least)
+    steps = step * np.arange(np.ceil(low_mm / step), np.floor(high_mm / step + 1e-9) + 1.0)
+    # What would touch the lower end is left out.
+    return np.append(low_mm, steps[steps > low_mm + 0.5 * step])
 
 
 def _on_the_screen() -> list[Any]:

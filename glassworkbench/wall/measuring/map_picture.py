@@ -24,6 +24,8 @@ TURNED_AWAY = -0.3
 PALETTE = "viridis"
 NO_WALL, NO_WALL_IS = (0.86, 0.86, 0.88), "no wall: the mouth, a lip's rounding, a stem and its foot"
 
+EDGES_ARE = "at sharp outer edges and embossing the way in is longer, though the wall inside is as asked"
+
 
 def save_picture(wall_map: WallMap, title: str, path: str | Path) -> None:
     """Draw a wall map into a PNG, SVG or PDF file; raises as `check_drawing`."""
@@ -52,6 +54,7 @@ def save_picture(wall_map: WallMap, title: str, path: str | Path) -> None:
         figure.text(0.022, 0.025, "\N{BLACK SQUARE}", color=NO_WALL, fontsize=14, va="center")
         figure.text(0.037, 0.025, NO_WALL_IS, color="0.35", fontsize=9, va="center")
     _draw_profile(figure.add_subplot(right[0, 0]), wall_map)
+    figure.text(0.022, 0.055, EDGES_ARE, color="0.35", fontsize=9, va="center")
     figure.suptitle(title, x=0.02, ha="left", fontsize=13)
     with written_aside(path) as aside:
         figure.savefig(aside, dpi=130, format=path.suffix[1:].lower())
@@ -95,17 +98,13 @@ def _draw_view(axis: Axes, wall_map: WallMap, colours: object, azimuth_deg: floa
 
 def _draw_profile(axis: Axes, wall_map: WallMap) -> None:
     profile = wall_map.over_height
-    told = {"edges": profile.edges_mm, "orientation": "horizontal"}
-    thinnest, thickest = profile.got_mm.T
-    axis.stairs(
-        thickest, baseline=thinnest, fill=True, color="#3b8ea5", alpha=0.35, lw=0, label="got, all around", **told
-    )
-    axis.stairs(thinnest, baseline=None, color="#1f6377", lw=1.2, **told)
-    axis.stairs(thickest, baseline=None, color="#1f6377", lw=0.6, **told)
-    asked = {"baseline": None, "color": "#d1495b", "ls": (0, (4, 2))} | told
-    axis.stairs(profile.asked_mm[:, 0], lw=1.2, label="asked", **asked)
+    heights, (thinnest, thickest) = profile.heights_mm, profile.got_mm.T
+    # The edge keeps the band visible where it is thinner than a line.
+    axis.fill_betweenx(heights, thinnest, thickest, fc="#3b8ea559", ec="#1f6377", lw=1.0, label="got, all around")
+    asked = {"color": "#d1495b", "ls": (0, (4, 2))}
+    axis.plot(profile.asked_mm[:, 0], heights, lw=1.2, label="asked", **asked)
     if np.any(np.ptp(profile.asked_mm, axis=1) > 1e-3):
-        axis.stairs(profile.asked_mm[:, 1], lw=0.8, **asked)
+        axis.plot(profile.asked_mm[:, 1], heights, lw=0.8, **asked)
     both = np.concatenate([profile.got_mm.ravel(), profile.asked_mm.ravel(), wall_map.span_mm()])
     low, high = np.nanmin(both), np.nanmax(both)
     margin = 0.15 * (high - low)
