@@ -24,6 +24,7 @@ _HOMES = {
     "save_curves": "glassworkbench.glass.pictures",
     "station": "glassworkbench.staging",
     "stations": "glassworkbench.staging",
+    "unwrapped": "glassworkbench.scanning",
     "read_scene": "glassworkbench.scene.file",
     "render": "glassworkbench.tracer",
     "Cancel": "glassworkbench.tracer",
