@@ -29,6 +29,7 @@ _HOMES = {
     "read_defects": "glassworkbench.flaws",
     "sample_defects": "glassworkbench.flaws:sample",
     "with_defects": "glassworkbench.flaws",
+    "unwrapped": "glassworkbench.scanning",
     "read_scene": "glassworkbench.scene.file",
     "render": "glassworkbench.tracer",
     "accuracy": "glassworkbench.pricing",

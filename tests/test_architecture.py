@@ -23,6 +23,7 @@ MAY_IMPORT = {
     "scene": COMMON | {"glass", "images"},
     "staging": COMMON | {"glass", "images", "scene"},
     "judging": COMMON | {"images", "scene"},
+    "scanning": COMMON | {"glass", "images", "scene", "staging", "tracer"},
     "tracer": COMMON | {"scene", "images"},
     "flaws": COMMON | {"scene", "tracer"},
     "pricing": COMMON | {"scene", "images", "tracer"},

@@ -181,6 +181,8 @@ def test_a_file_in_the_users_folder_joins_the_catalogue(tmp_path, monkeypatch):
     (tmp_path / "line_3.toml").write_text(f'description = "mine"\n[camera]\n{LENS}\n{PANEL}')
     assert stations()["line_3"] == "mine"
     assert station("line_3", sample_container(), "flint").metadata["station"] == "line_3"
+    (tmp_path / "line_4.toml").write_text("[camera]\nkind = 3")
+    assert stations()["line_4"].startswith("cannot be used: station line_4: the key 'description' is missing")
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,8 @@ from glassworkbench.staging.directions import corners, towards
 from glassworkbench.staging.lengths import Lengths, length_keys
 from glassworkbench.staging.optics import Optics, lens
 
-KINDS = ("pinhole", "telecentric")
+KINDS = ("pinhole", "telecentric", "line")
+"""A line camera is a telecentric one with one column of pixels: the container turns before it."""
 POSE = ("azimuth_deg", "elevation_deg", "view", "aim_mm")
 FITTED = ("margin", "field_of_view_deg", *length_keys(["distance"]))
 LENS = ("sensor_mm", "pixels", "focal_length_mm", "magnification", "working_distance_mm", "f_number")
@@ -63,15 +64,22 @@ def place_camera(table: Mapping, geometry: ContainerGeometry, size: tuple[int, i
     wrong = [key for key in (FITTED if is_lens else ()) if key in table]
     if wrong:
         raise InputError(f"camera: {wrong[0]} is for a camera fitted to the container; leave it or the lens out")
-    if "field_of_view_deg" in table and kind == "telecentric":
-        raise InputError("camera: field_of_view_deg: a telecentric camera has none; give a margin, or a magnification")
+    if "field_of_view_deg" in table and kind != "pinhole":
+        raise InputError(f"camera: field_of_view_deg: a {kind} camera has none; give a margin, or a magnification")
     there, up = towards(*(finite(table.get(key, usual), f"camera: {key}") for key, usual in POSITION))
     seen = corners(geometry, table.get("view", "all"), "camera")
     if "aim_mm" in table:
         seen = seen - seen.mean(axis=0) + finite_array(table["aim_mm"], (3,), "camera: aim_mm")
+    if kind == "line":
+        size = size and (1, size[1])
+        # One column of pixels has only heights to fit, and the container turns about the axis.
+        across = np.cross(there, up)
+        aim = seen.mean(axis=0) @ across if "aim_mm" in table else 0.0
+        seen = seen + np.multiply.outer(aim - seen @ across, across)
     if is_lens:
         return _with_lens(table, kind, seen, there, up, size)
-    return _fitted(table, kind, seen, there, up, size or USUAL_SIZE, geometry)
+    usual = (1, USUAL_SIZE[1]) if kind == "line" else USUAL_SIZE
+    return _fitted(table, kind, seen, there, up, size or usual, geometry)
 
 
 def _fitted(
@@ -90,7 +98,7 @@ def _fitted(
     distance = lengths.mm(table, "distance", "camera")
     if distance is not None and distance <= 0.0:
         raise InputError(f"camera: distance: must be above 0, got {distance:g} mm")
-    if kind == "telecentric":
+    if kind != "pinhole":
         return Placed(framing.telecentric(seen, size, there, up, distance or 3.0 * lengths.sizes_mm, margin), size)
     if (distance is None) == ("field_of_view_deg" not in table):
         raise InputError("camera: give either field_of_view_deg or a distance; the other follows from the margin")
@@ -109,7 +117,7 @@ def _with_lens(
     target = seen.mean(axis=0)
     eye = target + optics.working_distance_mm * there
     camera: Camera
-    if kind == "telecentric":
+    if kind != "pinhole":
         camera = Telecentric(eye, target, optics.field_height_mm, up)
     else:
         camera = Pinhole(eye, target, optics.vertical_field_of_view_rad, up)
@@ -132,4 +140,6 @@ def _optics(table: Mapping, kind: str) -> Optics:
     if "focal_length_mm" in table:
         raise InputError("camera: focal_length_mm: a telecentric lens is told by magnification and working_distance_mm")
     check_keys(table, (*needed, "magnification", "working_distance_mm"), LENS, "camera")
+    if kind == "line" and table["pixels"][0] != 1:
+        raise InputError(f"camera: pixels: a line camera has one column, as [1, 2048], got {table['pixels']!r}")
     return Optics(**table)

@@ -21,8 +21,14 @@ ENDING = ".toml"
 
 
 def stations() -> dict[str, str]:
-    """Return what each station is, by its name."""
-    return {name: described(name) for name in _files()}
+    """Return what each station is, by its name; of a file that cannot be used, why."""
+    told = {}
+    for name in _files():
+        try:
+            told[name] = described(name)
+        except InputError as error:
+            told[name] = f"cannot be used: {error}"
+    return told
 
 
 def described(name: str) -> str:
