@@ -25,7 +25,7 @@ MAY_IMPORT = {
     "tracer": COMMON | {"scene", "images"},
     "flaws": COMMON | {"scene", "tracer"},
     "mold": COMMON | {"freecad", "scene", "spatial"},
-    "wall": COMMON | {"freecad", "scene", "glass", "mold", "spatial"},
+    "wall": COMMON | {"freecad", "scene", "glass", "mold", "spatial", "flaws"},
 }
 
 
