@@ -200,6 +200,9 @@ def _prepare_hollow(parser: argparse.ArgumentParser) -> None:
         "mold", metavar="MOLD", help="the container's outer shape: STEP, IGES, BREP, FCStd, or a mesh (STL, OBJ, PLY)"
     )
     _add_wall_options(parser, required=True)
+    parser.add_argument(
+        "--defects", metavar="FILE", help="lean, thin spots and the like from a .toml file; the verb defects lists them"
+    )
     parser.add_argument("--tolerance", type=float, metavar="MM", help="how far the wall may be from what was asked")
     parser.add_argument("--seconds", type=float, default=120.0, metavar="S", help="time for all methods (120)")
     parser.add_argument("--best", action="store_true", help="take the best result where none is within the tolerance")
@@ -216,6 +219,7 @@ def _prepare_hollow(parser: argparse.ArgumentParser) -> None:
 def _hollow(options: argparse.Namespace) -> None:
     started = time.perf_counter()
     output = check_writable(options.output, CONTAINER_ENDINGS)
+    _check_of_wall(options.defects)
     outputs = [output]
     if options.map is not None:
         outputs.append(check_drawing(options.map, "a map of the wall"))
@@ -257,6 +261,17 @@ def _tell_notes(options: argparse.Namespace, notes: Sequence[str]) -> None:
         return
     for note in notes:
         print("glassworkbench: note:", _in_options(note), file=sys.stderr)
+
+
+def _check_of_wall(text: str | None) -> None:
+    """Tell that what is in the glass alone is no part of a solid."""
+    if text is None:
+        return
+    defects = parse_defects(text)
+    others = [defect for defect in getattr(defects, "defects", ()) if defect not in defects.of_wall]
+    if others or not defects.of_wall:
+        told = f"{others[0]}: it" if others else f"--defects {text}: all of it"
+        raise InputError(f"{told} lies in the glass, not in the wall's shape; show it by render --defects")
 
 
 def _check_mesh_output(mold: str, output: Path) -> None:
@@ -349,9 +364,11 @@ def _mold(options: argparse.Namespace) -> object:
 
 
 def _container(options: argparse.Namespace, mold: object, **limits: float | None) -> object:
-    from glassworkbench.wall import hollow
+    from glassworkbench.wall import flawed_mold, flawed_thickness, hollow
 
-    return hollow(mold, options.wall, method=options.method or "auto", **limits)
+    flaws = parse_defects(options.defects).of_wall if options.defects else ()
+    thickness = flawed_thickness(options.wall, mold, flaws)
+    return hollow(flawed_mold(mold, flaws), thickness, method=options.method or "auto", **limits)
 
 
 def _container_as_it_is(options: argparse.Namespace) -> ContainerGeometry:
@@ -491,6 +508,8 @@ def _scene(options: argparse.Namespace) -> Scene:
     geometry = _container_as_it_is(options) if options.wall is None else _container(options, _mold(options)).geometry()
     scene = station(view, geometry, glass, fill, options.size)
     if defects is not None:
+        if options.wall is None and defects.of_wall:
+            raise InputError(f"{defects.of_wall[0]}: it is made with the wall; give --wall, too, or leave it out")
         scene = with_defects(scene, geometry, defects.on(geometry))
     told = {"mold": Path(options.mold).name, "wall": options.wall or "as it is"}
     return dataclasses.replace(scene, metadata=told | dict(scene.metadata))

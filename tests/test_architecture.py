@@ -28,7 +28,7 @@ MAY_IMPORT = {
     "flaws": COMMON | {"scene", "tracer"},
     "pricing": COMMON | {"scene", "images", "tracer"},
     "mold": COMMON | {"freecad", "scene", "spatial"},
-    "wall": COMMON | {"freecad", "scene", "glass", "mold", "spatial"},
+    "wall": COMMON | {"freecad", "scene", "glass", "mold", "spatial", "flaws"},
 }
 
 

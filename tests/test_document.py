@@ -241,6 +241,15 @@ def test_a_picture_that_cannot_be_leaves_the_document_as_it_was(document, tumble
     assert [obj.Name for obj in document.Objects] == ["Tumbler", "Container"]
 
 
+def test_a_picture_shows_the_defects_that_it_names(tumbler):
+    picture = make_render(make_container(tumbler, wall=3.0), station="sidewall", tolerance=0.1, size=(24, 32))
+    picture.Defects = "seedy:1"
+    assert "seed at" in render_image(picture).metadata["defects"]
+    picture.Defects = "seedy"
+    with pytest.raises(InputError, match="give the seed of seedy"):
+        render_image(picture)
+
+
 def test_only_containers_have_pictures(tumbler):
     with pytest.raises(InputError, match="Tumbler"):
         make_render(tumbler)

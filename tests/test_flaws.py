@@ -28,6 +28,7 @@ from glassworkbench.flaws import (
 )
 from glassworkbench.flaws.fitting import fit, fitted
 from glassworkbench.flaws.glass_wall import GlassWall
+from glassworkbench.flaws.kinds import IN_GLASS
 from glassworkbench.scene import ContainerGeometry, Environment, Revolved
 from glassworkbench.staging import sample_container, station
 from glassworkbench.tracer import native, reference
@@ -158,7 +159,8 @@ def test_a_filling_flows_around_a_thread():
 
 @pytest.mark.skipif(not native.available(), reason="the native tracer is not built")
 def test_a_container_with_every_kind_neither_leaks_nor_loses_light():
-    kinds = [make_defect({"kind": name, "height_mm": 25 + 8 * k, "angle_deg": 43 * k}) for k, name in enumerate(KINDS)]
+    names = [kind.kind for kind in IN_GLASS]
+    kinds = [make_defect({"kind": name, "height_mm": 25 + 8 * k, "angle_deg": 43 * k}) for k, name in enumerate(names)]
     defects = [replace(defect, length_mm=8.0) if isinstance(defect, Cord) else defect for defect in kinds]
     scene = with_defects(station("sidewall", TUMBLER, "flint"), TUMBLER, defects)
     clear = tuple(replace(medium, absorption_per_mm=np.zeros(3)) for medium in scene.media)
@@ -327,6 +329,10 @@ def test_what_is_no_list_and_no_population_is_refused(text, words):
         ("diameter_mm = { uniform = [0, 1], normal = [0, 1] }", "name one distribution"),
         ("diameter_mm = { choice = [] }", "list the values"),
         ("depth_mm = 1", "key 'depth_mm'"),
+        (
+            '[[defect]]\nkind = "lean"\nper_container = 1\nheight_share = 0.5',
+            "made with the wall, so it cannot be drawn",
+        ),
         ("per_contaner = 1", "did you mean 'per_container'"),
     ],
 )

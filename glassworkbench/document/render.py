@@ -10,6 +10,7 @@ import numpy as np
 from glassworkbench.document.container import is_container, wall_text
 from glassworkbench.document.properties import HIDDEN, OUTPUT, READ_ONLY, Property, add_properties, set_choices
 from glassworkbench.errors import InputError
+from glassworkbench.flaws import parse_defects, with_defects
 from glassworkbench.freecad import FreeCAD
 from glassworkbench.images import Image
 from glassworkbench.scene import Scene
@@ -23,6 +24,13 @@ PROPERTIES = (
     Property("App::PropertyLink", "Container", "Render", "What is seen", OUTPUT),
     Property("App::PropertyEnumeration", "Station", "Render", "Camera and light", OUTPUT),
     Property("App::PropertyString", "Fill", "Render", "What it holds, like water or water:120 (level in mm)", OUTPUT),
+    Property(
+        "App::PropertyString",
+        "Defects",
+        "Render",
+        "What is wrong with the glass: a file that lists it, or a population and a seed, like seedy:1",
+        OUTPUT,
+    ),
     Property("App::PropertyInteger", "Width", "Render", "Of the image in pixels", OUTPUT, 480),
     Property("App::PropertyInteger", "Height", "Render", "Of the image in pixels", OUTPUT, 640),
     Property("App::PropertyPrecision", "Tolerance", "Render", "Accepted error, a fraction of white", OUTPUT, 0.02),
@@ -115,6 +123,13 @@ def scene(obj: Any) -> Scene:
         raise InputError(f"{obj.Label}: no container is linked; choose one in Container")
     geometry = container.Proxy.geometry(container)
     seen = place_in_station(obj.Station, geometry, container.Glass, obj.Fill or None, (obj.Width, obj.Height))
+    if obj.Defects:
+        defects = parse_defects(obj.Defects)
+        if defects.of_wall:
+            raise InputError(
+                f"{obj.Label}: {defects.of_wall[0]}: it is made with the wall; hollow it on the command line"
+            )
+        seen = with_defects(seen, geometry, defects.on(geometry))
     told = {"mold": container.Source.Label, "wall": wall_text(container)}
     return dataclasses.replace(seen, metadata={**seen.metadata, **told})
 

@@ -9,8 +9,10 @@ from glassworkbench.flaws.films import Check, Split
 from glassworkbench.flaws.flawed_scene import with_defects
 from glassworkbench.flaws.kinds import KINDS, kinds
 from glassworkbench.flaws.population import day, find_population, populations, sample
+from glassworkbench.flaws.shapes import Lean, Ovality
 from glassworkbench.flaws.stones import Stone
 from glassworkbench.flaws.threads import BirdSwing, Spike
+from glassworkbench.flaws.walls import ChokedNeck, Slug, ThinSpot, Washboard
 
 __all__ = [
     "CLASSES",
@@ -18,14 +20,20 @@ __all__ = [
     "BirdSwing",
     "Blister",
     "Check",
+    "ChokedNeck",
     "Cord",
     "Defect",
     "DrawnDefects",
+    "Lean",
     "ListedDefects",
+    "Ovality",
     "Seed",
+    "Slug",
     "Spike",
     "Split",
     "Stone",
+    "ThinSpot",
+    "Washboard",
     "day",
     "find_population",
     "kinds",

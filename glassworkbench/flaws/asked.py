@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from glassworkbench.errors import InputError
 from glassworkbench.flaws.defect import Defect
 from glassworkbench.flaws.defect_file import read_defects
+from glassworkbench.flaws.kinds import IN_WALL
 from glassworkbench.flaws.population import Population, find_population, sample
 from glassworkbench.scene import ContainerGeometry
 
@@ -16,6 +17,11 @@ class ListedDefects:
     """Defects that are known one by one."""
 
     defects: tuple[Defect, ...]
+
+    @property
+    def of_wall(self) -> tuple[Defect, ...]:
+        """Those that are made with the wall."""
+        return tuple(defect for defect in self.defects if isinstance(defect, IN_WALL))
 
     def on(self, geometry: ContainerGeometry) -> tuple[Defect, ...]:
         """Return them."""
@@ -28,6 +34,8 @@ class DrawnDefects:
 
     population: Population
     seed: int
+
+    of_wall = ()
 
     def on(self, geometry: ContainerGeometry) -> tuple[Defect, ...]:
         """Return the defects of a container; raises as `population.sample`."""

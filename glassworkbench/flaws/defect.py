@@ -102,12 +102,10 @@ class Site:
 
 @dataclass(frozen=True, kw_only=True)
 class Defect:
-    """A defect on a container's side, from its heel to its finish.
+    """A defect of a container.
 
     Parameters
     ----------
-    height_mm : float
-        Above the container's lowest point.
     angle_deg : float
         About the axis, counter-clockwise seen from above, from the upright container's +x.
     severity : str
@@ -121,12 +119,10 @@ class Defect:
 
     usual_severity: ClassVar[str] = "minor"
 
-    height_mm: float
     angle_deg: float
     severity: str = ""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "height_mm", self._finite("height_mm"))
         object.__setattr__(self, "angle_deg", self._finite("angle_deg"))
         severity = self.severity or self.usual_severity
         if severity not in CLASSES:
@@ -134,7 +130,7 @@ class Defect:
         object.__setattr__(self, "severity", severity)
 
     def __str__(self) -> str:
-        return f"{self.kind} at {self.height_mm:.4g} mm, {self.angle_deg:.4g} deg"
+        return f"{self.kind} at {self.angle_deg:.4g} deg"
 
     def _finite(self, field: str) -> float:
         return finite(getattr(self, field), f"{self.kind}: {field}")
@@ -145,7 +141,27 @@ class Defect:
 
 
 @dataclass(frozen=True, kw_only=True)
-class InWall(Defect):
+class OnSide(Defect):
+    """A defect at a height.
+
+    Parameters
+    ----------
+    height_mm : float
+        Above the container's lowest point.
+    """
+
+    height_mm: float
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        object.__setattr__(self, "height_mm", self._finite("height_mm"))
+
+    def __str__(self) -> str:
+        return f"{self.kind} at {self.height_mm:.4g} mm, {self.angle_deg:.4g} deg"
+
+
+@dataclass(frozen=True, kw_only=True)
+class InWall(OnSide):
     """A defect in the glass itself.
 
     Parameters
@@ -167,7 +183,7 @@ class InWall(Defect):
 
 
 @dataclass(frozen=True, kw_only=True)
-class InCavity(Defect):
+class InCavity(OnSide):
     """A defect of glass inside the container."""
 
     def thread(self, site: Site, other: Site) -> Thread:
@@ -178,6 +194,32 @@ class InCavity(Defect):
     def other_angle_deg(self) -> float:
         """The angle of the place in the wall that lies across."""
         return self.angle_deg + 180.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class InThickness(OnSide):
+    """A defect of the wall's thickness: it is made when the container is hollowed."""
+
+    def added_mm(self, height_mm: np.ndarray, angle_deg: np.ndarray, radius_mm: float) -> np.ndarray:
+        """Return how much thicker the wall is for it, at heights and angles of a container of this radius."""
+        raise NotImplementedError
+
+    def rows_mm(self) -> np.ndarray:
+        """Return heights (n,) at which the thickness must be told for it."""
+        raise NotImplementedError
+
+    def columns_deg(self, radius_mm: float) -> np.ndarray:
+        """Return angles (n,) at which it must be told; none where it goes all around."""
+        return np.zeros(0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class InShape(Defect):
+    """A defect of the whole shape, inside and out: the mold is deformed before it is hollowed."""
+
+    def deformation(self, radius_mm: float) -> np.ndarray:
+        """Return the matrix (3, 3) that points of the upright container of this radius are multiplied with."""
+        raise NotImplementedError
 
 
 def turned_in_surface(site: Site, direction_deg: float) -> np.ndarray:

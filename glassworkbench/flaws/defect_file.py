@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import fields
+from dataclasses import MISSING, fields
 from pathlib import Path
 
 from glassworkbench.errors import InputError
@@ -49,7 +49,8 @@ def make_defect(table: Mapping) -> Defect:
     name = table.get("kind")
     if name not in KINDS:
         raise unknown_name("kind", name, KINDS)
-    optional = {field.name for field in fields(KINDS[name])} - {"height_mm", "angle_deg", "severity"} | {"class"}
-    check_keys(table, ("kind", "height_mm", "angle_deg"), optional, name)
+    needed = {field.name for field in fields(KINDS[name]) if field.default is MISSING}
+    optional = {field.name for field in fields(KINDS[name])} - needed - {"severity"} | {"class"}
+    check_keys(table, {"kind"} | needed, optional, name)
     values = {key: value for key, value in table.items() if key not in ("kind", "class")}
     return KINDS[name](**values, severity=table.get("class", ""))

@@ -10,6 +10,7 @@ import numpy as np
 from glassworkbench.errors import InputError
 from glassworkbench.flaws.defect import AIR, Defect, Grain, Substance
 from glassworkbench.flaws.fitting import Fitted, fitted
+from glassworkbench.flaws.kinds import IN_GLASS
 from glassworkbench.scene import Body, ContainerGeometry, Ellipsoids, Medium, Scene
 from glassworkbench.scene.media import MAXIMUM_BODIES
 
@@ -27,6 +28,7 @@ def with_defects(scene: Scene, geometry: ContainerGeometry, defects: Sequence[De
     geometry : ContainerGeometry
         What it was staged with.
     defects : sequence of Defect
+        Those that are made with the wall (`kinds.IN_WALL`) are in the geometry already, and only told.
 
     Raises
     ------
@@ -35,7 +37,7 @@ def with_defects(scene: Scene, geometry: ContainerGeometry, defects: Sequence[De
     """
     if not defects:
         return scene
-    pieces = fitted(geometry, defects)
+    pieces = fitted(geometry, [defect for defect in defects if isinstance(defect, IN_GLASS)])
     substances = _grouped(pieces)
     threads = [Body(f"thread_{k + 1}", thread.surface) for k, (_, thread) in enumerate(pieces.threads)]
     _check_bodies(scene, substances, len(threads))

@@ -9,13 +9,19 @@ from glassworkbench.flaws.bubbles import Blister, Seed
 from glassworkbench.flaws.cords import Cord
 from glassworkbench.flaws.defect import Defect
 from glassworkbench.flaws.films import Check, Split
+from glassworkbench.flaws.shapes import Lean, Ovality
 from glassworkbench.flaws.stones import Stone
 from glassworkbench.flaws.threads import BirdSwing, Spike
+from glassworkbench.flaws.walls import ChokedNeck, Slug, ThinSpot, Washboard
 from glassworkbench.settings import unknown_name
 
-KINDS: MappingProxyType[str, type[Defect]] = MappingProxyType(
-    {kind.kind: kind for kind in (Seed, Blister, Stone, Cord, Check, Split, BirdSwing, Spike)}
-)
+IN_GLASS = (Seed, Blister, Stone, Cord, Check, Split, BirdSwing, Spike)
+"""They are added to the scene of any container."""
+
+IN_WALL = (ThinSpot, Slug, ChokedNeck, Washboard, Lean, Ovality)
+"""They are made with the wall, so they are measured with it."""
+
+KINDS: MappingProxyType[str, type[Defect]] = MappingProxyType({kind.kind: kind for kind in (*IN_GLASS, *IN_WALL)})
 
 
 def kinds() -> dict[str, str]:

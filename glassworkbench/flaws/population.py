@@ -14,7 +14,7 @@ from glassworkbench.flaws.defect import Defect, InWall
 from glassworkbench.flaws.distributions import Choice, Distribution, drawn_from
 from glassworkbench.flaws.fitting import fit
 from glassworkbench.flaws.glass_wall import GlassWall
-from glassworkbench.flaws.kinds import KINDS
+from glassworkbench.flaws.kinds import IN_GLASS, KINDS
 from glassworkbench.scene import ContainerGeometry
 from glassworkbench.scene.validate import finite
 from glassworkbench.settings import RESOURCES, check_keys, read_toml, unknown_name
@@ -113,6 +113,8 @@ def _family(table: Mapping) -> Family:
     name = table.get("kind")
     if name not in KINDS:
         raise unknown_name("kind", name, KINDS)
+    if KINDS[name] not in IN_GLASS:
+        raise InputError(f"{name}: it is made with the wall, so it cannot be drawn for a container; list it in a file")
     own = {field.name for field in fields(KINDS[name])} - {"height_mm", "angle_deg", "depth_mm", "severity"}
     depth = {"depth_share"} if issubclass(KINDS[name], InWall) else set()
     check_keys(table, ("kind", "per_container", "height_share"), own | depth | {"class"}, name)

@@ -13,6 +13,7 @@ from glassworkbench.wall.asking.thickness_text import parse_thickness
 from glassworkbench.wall.choose import METHODS, HollowingError, hollow
 from glassworkbench.wall.container import Container, WallReport
 from glassworkbench.wall.existing import container_from_shape, read_container
+from glassworkbench.wall.flawed import flawed_mold, flawed_thickness
 
 __all__ = [
     "METHODS",
@@ -27,6 +28,8 @@ __all__ = [
     "UniformThickness",
     "WallReport",
     "container_from_shape",
+    "flawed_mold",
+    "flawed_thickness",
     "hollow",
     "parse_thickness",
     "read_container",

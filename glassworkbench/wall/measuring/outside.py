@@ -37,6 +37,12 @@ LONGEST_MM = 10.0
 THICKNESS_ERROR_MM = 2e-3
 """Triangles are halved until the thickness is this close to linear along their sides (but see `SHORTEST_MM`)."""
 
+PROBED_AREA_MM2, MOST_PROBES = 10.0, 20_000
+"""One random point of the outside to so much of it tells whether the thickness varies at all."""
+
+QUARTERS = (0.25, 0.75)
+"""Where sides are looked at besides their middles: waves of the thickness may pass through ends and middle alike."""
+
 SHORTEST_MM = 0.2
 """Sides are not halved below this length, so that a step of the thickness ends the halving."""
 
@@ -207,6 +213,7 @@ def _refined(
     Returns corners, normals, thickness, faces, and which of the given triangles each is a part of.
     """
     thickness = _at_corners(corners, faces, thickness_at)
+    varies = _varies(corners, faces, thickness_at)
     origin = np.arange(len(corners))
     done: list[tuple[np.ndarray, ...]] = []
     while len(corners):
@@ -216,10 +223,13 @@ def _refined(
         at_middles = np.stack([thickness_at(middles[:, k], faces) for k in range(3)], axis=1)
         linear = np.stack([0.5 * (thickness[:, i] + thickness[:, j]) for i, j in SIDES], axis=1)
         error = np.abs(at_middles - linear).max(axis=1)
+        if varies:
+            error = np.maximum(error, _error_at_quarters(corners, faces, thickness, thickness_at))
         longest = lengths.argmax(axis=1)
         length = lengths[np.arange(len(corners)), longest]
-        varies = (np.ptp(thickness, axis=1) > THICKNESS_ERROR_MM) | (error > THICKNESS_ERROR_MM)
-        coarse = (error > THICKNESS_ERROR_MM) & (length > SHORTEST_MM) | varies & (length > LONGEST_MM)
+        coarse = (error > THICKNESS_ERROR_MM) & (length > SHORTEST_MM)
+        if varies:
+            coarse |= length > LONGEST_MM
         done.append(tuple(array[~coarse] for array in (corners, normals, thickness, faces, origin)))
         corners, normals, thickness, faces, origin = (
             array[coarse] for array in (corners, normals, thickness, faces, origin)
@@ -228,6 +238,30 @@ def _refined(
         corners, normals = halved(corners, normals, longest[coarse])
         faces, origin = np.concatenate([faces, faces]), np.concatenate([origin, origin])
     return tuple(np.concatenate(part) for part in zip(*done, strict=True))
+
+
+def _varies(corners: np.ndarray, faces: np.ndarray, thickness_at: ThicknessAt) -> bool:
+    """Tell whether the thickness varies over triangles, by points spread at random over them."""
+    areas = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    rng = np.random.default_rng(1)
+    count = min(MOST_PROBES, len(corners) + int(areas.sum() / PROBED_AREA_MM2))
+    chosen = rng.choice(len(corners), count, p=areas / areas.sum())
+    shares = rng.dirichlet((1.0, 1.0, 1.0), count)
+    points = np.einsum("kc,kcx->kx", shares, corners[chosen])
+    found = np.concatenate([thickness_at(points, faces[chosen]), _at_corners(corners, faces, thickness_at).ravel()])
+    return bool(np.ptp(found) > THICKNESS_ERROR_MM)
+
+
+def _error_at_quarters(
+    corners: np.ndarray, faces: np.ndarray, thickness: np.ndarray, thickness_at: ThicknessAt
+) -> np.ndarray:
+    """Return how far the thickness is from linear along the sides of each triangle, at `QUARTERS` of them, (m,)."""
+    error = np.zeros(len(corners))
+    for i, j in SIDES:
+        for share in QUARTERS:
+            at = thickness_at((1.0 - share) * corners[:, i] + share * corners[:, j], faces)
+            error = np.maximum(error, np.abs(at - (1.0 - share) * thickness[:, i] - share * thickness[:, j]))
+    return error
 
 
 def halved(corners: np.ndarray, normals: np.ndarray, side: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
