@@ -92,7 +92,9 @@ def test_a_patch_shows_what_the_image_shows_there():
     scene = scene_of(tracer_scenes.revolved_ball(20.0))
     image = gw.render(scene, tolerance=0.05)
     parts = patches(scene)[3:7]
-    cost, radiance = Pilot(scene, plan(scene, 0.05), 1, gw.Cancel()).trace(parts)
+    pilot = Pilot(scene, plan(scene, 0.1), 1, gw.Cancel())
+    pilot.trace(parts[1:3], plan(scene, 0.1))
+    cost, radiance = pilot.trace(parts, plan(scene, 0.05))
     assert np.all(cost > 0.0)
     expected = np.concatenate([part.cut(image.pixels).reshape(-1, 3) for part in parts])
     assert np.array_equal(radiance, expected.astype(np.float64))

@@ -9,12 +9,13 @@ below are predicted by a power law through the two before.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from glassworkbench.pricing.choices import Choice, exact, truth
 from glassworkbench.scene import Scene
-from glassworkbench.tracer import Cancel
+from glassworkbench.tracer import Cancel, Plan
 from glassworkbench.tracer.pilot import Pilot, patches
 
 GROUP = 16
@@ -56,6 +57,7 @@ class Survey:
         parts = patches(scene)
         self._groups = [parts[k : k + GROUP] for k in range(0, len(parts), GROUP)]
         self._pixels = np.array([sum(part.width * part.height for part in group) for group in self._groups])
+        self._pilots: dict[int, tuple[Scene, Pilot]] = {}
         self._trials: dict[tuple, _Trial] = {}
         self._truth_tolerance = self._find_truth(tolerances)
         self._truth = self._trial(truth(scene, self._truth_tolerance))
@@ -66,9 +68,14 @@ class Survey:
         trials = [self._trial(exact(scene, tolerance)) for tolerance in tried]
         for trial in trials:
             self._extend(trial, 0.2 * seconds / len(trials))
-        self._tolerances = np.array([*tried, self._truth_tolerance])
-        self._costs = np.array([self._cost(trial) for trial in [*trials, self._truth]])
-        self._errors = np.array([self._error(trial) for trial in trials])
+        trials.append(self._truth)
+        if self._truth_tolerance > 1.001 * tolerances[-1]:
+            # What goes on from here by a power law had better begin with a step that was traced.
+            trials.append(self._trial(truth(scene, STEP * self._truth_tolerance)))
+            self._extend(trials[-1], 0.0)
+        self._tolerances = np.array([trial.chosen.tolerance for trial in trials])
+        self._costs = np.array([self._cost(trial) for trial in trials])
+        self._errors = np.array([self._error(trial) for trial in trials[: len(tried)]])
 
     def exact(self, tolerance: float) -> tuple[np.ndarray, float, bool]:
         """Predict the exact rendering at any tolerance.
@@ -83,7 +90,7 @@ class Survey:
             Whether the pilot's truth is fine enough to tell this error.
         """
         cost = [_power_law(tolerance, self._tolerances, column, COST_SLOPES) for column in self._costs.T]
-        error = _power_law(tolerance, self._tolerances[:-1], self._errors, ERROR_SLOPES)
+        error = _power_law(tolerance, self._tolerances[: len(self._errors)], self._errors, ERROR_SLOPES)
         return np.array(cost), error, bool(tolerance > TRUE_STEP * self._truth_tolerance)
 
     def tried(self, choices: Sequence[Choice]) -> list[tuple[np.ndarray, float]]:
@@ -120,8 +127,14 @@ class Survey:
         chosen = choice.plan()
         key = id(choice.scene), round(np.log10(chosen.tolerance), 6), tuple(effect.on for effect in chosen.effects)
         if key not in self._trials:
-            self._trials[key] = _Trial(choice, Pilot(choice.scene, chosen, self._threads, self._cancel))
+            self._trials[key] = _Trial(self._pilot(choice.scene, chosen), chosen)
         return self._trials[key]
+
+    def _pilot(self, scene: Scene, chosen: Plan) -> Pilot:
+        # The scene is kept beside, as its identity is the key.
+        if id(scene) not in self._pilots:
+            self._pilots[id(scene)] = scene, Pilot(scene, chosen, self._threads, self._cancel)
+        return self._pilots[id(scene)][1]
 
     def _extend(self, trial: _Trial, seconds: float) -> None:
         """Trace groups until so many seconds are spent on them; one at least."""
@@ -129,7 +142,7 @@ class Survey:
         while len(trial.costs) < len(self._groups):
             if trial.costs and spent + spent / len(trial.costs) > seconds:
                 break
-            cost, radiance = trial.pilot.trace(self._groups[len(trial.costs)])
+            cost, radiance = trial.pilot.trace(self._groups[len(trial.costs)], trial.chosen)
             trial.costs.append(cost)
             trial.radiance.append(radiance)
             spent += cost[0]
@@ -150,12 +163,14 @@ class Survey:
         return error(np.concatenate(trial.radiance[:groups]), np.concatenate(self._truth.radiance[:groups]))
 
 
+@dataclass(frozen=True, eq=False)
 class _Trial:
-    def __init__(self, choice: Choice, pilot: Pilot) -> None:
-        # The scene is kept, as its identity is the key by which the trial is found again.
-        self.choice, self.pilot = choice, pilot
-        self.costs: list[np.ndarray] = []
-        self.radiance: list[np.ndarray] = []
+    """The first groups as one choice shows them: of each its cost (2,) and its pixels (n, 3)."""
+
+    pilot: Pilot
+    chosen: Plan
+    costs: list[np.ndarray] = field(default_factory=list)
+    radiance: list[np.ndarray] = field(default_factory=list)
 
 
 def error(radiance: np.ndarray, true: np.ndarray) -> float:

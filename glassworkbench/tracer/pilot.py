@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,9 +14,13 @@ from glassworkbench.tracer.part import Part
 from glassworkbench.tracer.plan import Plan
 from glassworkbench.tracer.progress import Meter
 from glassworkbench.tracer.rendering import Place, Rendering
+from glassworkbench.tracer.surface_error import surface_error
 
 PATCH = 8
 """Pixels along a patch: far below a tile, so that few patches meet all there is in an image, and whole blocks of 2."""
+
+PROBED = 20_000
+"""Pixels of the image that tells what the error of approximate surfaces takes."""
 
 GOLDEN = np.array([0.7548776662466927, 0.5698402909980532])
 """Steps of the additive recurrence in two dimensions that fills a square most evenly (powers of 1 / 1.32471...)."""
@@ -35,12 +40,13 @@ def patches(scene: Scene) -> list[Part]:
 
 
 class Pilot:
-    """Traces patches of an image by a plan.
+    """Traces patches of an image, by one plan or another.
 
     Parameters
     ----------
     scene : Scene
     chosen : Plan
+        That sets it up.
     threads : int
     cancel : Cancel
 
@@ -57,17 +63,17 @@ class Pilot:
         self._rendering = _OfPatches(
             scene,
             chosen,
-            crop=Part(0, 0, *scene.size),
+            crop=patches(scene)[0],
             region=Part(0, 0, *scene.size),
             threads=threads,
             cancel=cancel,
             meter=Meter(None),
             checkpoint=None,
         )
-        self.set_up = _clocks() - began
+        self.set_up = _clocks() - began + self._surface_cost()
         self.pixels = _traced_columns(scene) * scene.size[1]
 
-    def trace(self, parts: Sequence[Part]) -> tuple[np.ndarray, np.ndarray]:
+    def trace(self, parts: Sequence[Part], chosen: Plan) -> tuple[np.ndarray, np.ndarray]:
         """Trace patches.
 
         Returns
@@ -77,9 +83,10 @@ class Pilot:
         radiance : array (pixels of all patches, 3)
         """
         film = self._rendering.film
+        self._rendering.turn_to(parts, chosen)
         rays = film.totals[0]
         began = _clocks()
-        self._rendering.trace_parts(parts)
+        self._rendering.trace(chosen.tolerance, np.inf)
         cost = _clocks() - began
         rays = film.totals[0] - rays
         # In the whole image neighbouring patches share the rays at their corners.
@@ -88,13 +95,31 @@ class Pilot:
         radiance = np.concatenate([part.cut(image).reshape(-1, 3) for part in parts]).astype(np.float64)
         return cost * max(rays - shared, 1) / max(rays, 1), radiance
 
+    def _surface_cost(self) -> np.ndarray:
+        """Return what the error of approximate surfaces takes for the whole image, told by a smaller one."""
+        width, height = self._rendering.scene.size
+        shrunk = max(1.0, np.sqrt(width * height / PROBED))
+        small = replace(self._rendering.scene, size=(int(np.ceil(width / shrunk)), int(np.ceil(height / shrunk))))
+        clocks = [_clocks()]
+        for part in (Part(0, 0, 1, 1), Part(0, 0, *small.size)):
+            self._rendering.probe_surfaces(small, part)
+            clocks.append(_clocks())
+        share = small.size[0] * small.size[1] / (width * height)
+        return np.maximum(np.diff(clocks, n=2, axis=0)[0], 0.0) / share
+
 
 class _OfPatches(Rendering):
-    def trace_parts(self, parts: Sequence[Part]) -> None:
-        self._region = np.any([part.mask(self.scene.size) for part in parts], axis=0)
-        # Only passes after the first look at the region.
-        self.place = Place(1)
-        self.trace(self.chosen.tolerance, np.inf)
+    def turn_to(self, parts: Sequence[Part], chosen: Plan) -> None:
+        """Make these patches, by this plan, what the next pass traces."""
+        if chosen != self.chosen:
+            self.chosen = chosen
+            self._ambient = self._measured_ambient()
+        self._crop = self._region = np.any([part.mask(self.scene.size) for part in parts], axis=0)
+        self.trace_anew()
+        self.place = Place()
+
+    def probe_surfaces(self, scene: Scene, part: Part) -> None:
+        surface_error(scene, part, self._probe)
 
 
 def _traced_columns(scene: Scene) -> int:
