@@ -11,7 +11,7 @@ from glassworkbench.scene import Ellipsoid, Mesh, Patches, Revolved, Scene, Surf
 DENSITIES = 3
 
 COARSEST_SHARE = 0.004
-"""How far the coarsest mesh of a turned body is off, as a share of its largest radius: circles of 35 sides."""
+"""How far the coarsest mesh of a turned body is off, as a share of its largest radius: circles of 36 sides."""
 
 SAMPLES = 65
 """Places along a segment of a meridian from which the corners of its polygon are chosen."""
