@@ -14,6 +14,7 @@ from glassworkbench.mold.faults import near
 from glassworkbench.mold.self_intersection import faces_cross, intersections, self_intersections
 from glassworkbench.mold.tessellation import outside_mesh
 from glassworkbench.scene import Mesh
+from glassworkbench.wall.asking.given_way import notes_on_what_gives_way
 from glassworkbench.wall.asking.narrow_regions import notes_on_narrow_regions
 from glassworkbench.wall.asking.thickness import Thickness
 from glassworkbench.wall.candidate import Candidate, HopelessError, Method
@@ -107,6 +108,7 @@ def attempt(mold: Mold, thickness: Thickness, method: str, tolerance_mm: float, 
     wall = outside_as_meshed(mold, outer, faces, asked.at)
     told = (
         *notes_on_narrow_regions(thickness, mold.anatomy),
+        *notes_on_what_gives_way(thickness, asked, mold),
         *note_on_swallowed(wall, mold.anatomy.stem_top_mm),
     )
     candidate = MAKERS[method](mold, asked, wall, MAKING_SHARE * (seconds - (time.monotonic() - begin)))
