@@ -31,8 +31,9 @@ ARGUMENTS, RESULT, OUTPUT = "arguments.pickle", "result.pickle", "output.txt"
 OUT_OF_MEMORY = ("bad_alloc", "OutOfMemory", "MemoryError")
 """What C++, OCC and Python write when an allocation fails."""
 
-STARVED_SHARE = 0.5
-"""A job that has had this share of its memory and fails is taken to have wanted more: much of the rest is code."""
+STARVED_SHARE, FULL_SHARE = 0.5, 0.95
+"""A job that has filled this share of its memory, or of its address space, which code is a part of, and fails is taken
+to have wanted more."""
 
 GRACE_SECONDS = 5.0
 """A job whose parent is gone ends by itself this much after its time."""
@@ -179,7 +180,7 @@ def work(name: str) -> None:
     except Exception as error:
         traceback.print_exc()
         # FreeCAD says of an allocation that failed in C++ only that an exception is unknown.
-        starved = isinstance(error, MemoryError) or _peak_bytes() > STARVED_SHARE * job["memory_bytes"]
+        starved = isinstance(error, MemoryError) or _has_starved(job["memory_bytes"])
         if isinstance(error, GlassWorkbenchError) and not starved:
             result = pack((None, error))
         else:
@@ -216,11 +217,20 @@ def _limit_memory(memory_bytes: int) -> None:
     resource.setrlimit(resource.RLIMIT_AS, (memory_bytes, memory_bytes))
 
 
-def _peak_bytes() -> int:
-    """Return the most memory that this process has had; 0 where the system does not tell."""
+def _has_starved(memory_bytes: int) -> bool:
     try:
         import resource
     except ImportError:
-        return 0
+        return False
     # In kilobytes, but on macOS in bytes.
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)
+    filled = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)
+    return filled > STARVED_SHARE * memory_bytes or _most_address_space_bytes() > FULL_SHARE * memory_bytes
+
+
+def _most_address_space_bytes() -> int:
+    """Return the most address space, which the limit is on, that this process has had; 0 where no file tells."""
+    with contextlib.suppress(OSError):
+        for line in Path("/proc/self/status").read_text(encoding="utf-8").splitlines():
+            if line.startswith("VmPeak:"):
+                return 1024 * int(line.split()[1])
+    return 0
