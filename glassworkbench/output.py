@@ -7,8 +7,12 @@ import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from glassworkbench.errors import GlassWorkbenchError, InputError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 DRAWING_ENDINGS = (".png", ".svg", ".pdf")
 """What matplotlib writes."""
@@ -82,3 +86,19 @@ def written_aside(path: str | Path) -> Iterator[Path]:
         raise GlassWorkbenchError(f"{path}: could not be written ({error.strerror or error})") from error
     finally:
         aside.unlink(missing_ok=True)
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """Return an empty white matplotlib figure (inches) that needs no window."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height), facecolor="white")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def save_figure(figure: Figure, path: Path) -> None:
+    """Write a figure in the format of the path's ending; raises as `written_aside`."""
+    with written_aside(path) as aside:
+        figure.savefig(aside, dpi=110, format=path.suffix[1:].lower())

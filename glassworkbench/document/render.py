@@ -118,9 +118,7 @@ def scene(obj: Any) -> Scene:
     GlassWorkbenchError
         If the container is missing or has a fault.
     """
-    container = obj.Container
-    if container is None:
-        raise InputError(f"{obj.Label}: no container is linked; choose one in Container")
+    container = _linked_container(obj)
     geometry = container.Proxy.geometry(container)
     seen = place_in_station(obj.Station, geometry, container.Glass, obj.Fill or None, (obj.Width, obj.Height))
     if obj.Defects:
@@ -142,9 +140,7 @@ def placement(obj: Any) -> np.ndarray:
     GlassWorkbenchError
         If the container is missing or has a fault.
     """
-    container = obj.Container
-    if container is None:
-        raise InputError(f"{obj.Label}: no container is linked; choose one in Container")
+    container = _linked_container(obj)
     return container.Proxy.container(container).mold.placement
 
 
@@ -182,3 +178,9 @@ class RenderFeature:
         add_properties(obj, PROPERTIES)
         set_choices(obj, "Station", stations())
         obj.SchemaVersion = SCHEMA_VERSION
+
+
+def _linked_container(obj: Any) -> Any:
+    if obj.Container is None:
+        raise InputError(f"{obj.Label}: no container is linked; choose one in Container")
+    return obj.Container

@@ -11,11 +11,10 @@ import numpy as np
 from glassworkbench.errors import InputError
 from glassworkbench.glass.material import Filling, Glass
 from glassworkbench.glass.swatch import shown_colour, wedge
-from glassworkbench.output import check_drawing, written_aside
+from glassworkbench.output import check_drawing, new_figure, save_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 SWATCHES, CURVES = "a picture of swatches", "a plot of transmission"
 
@@ -56,7 +55,7 @@ def save_swatches(glasses: Mapping[str, Glass], fillings: Mapping[str, Filling],
         raise InputError(f"{path}: there is nothing to draw; name a glass or a filling")
     rows = [len(known) for known, _ in groups]
     height = 0.42 * sum(rows) + 0.75 * len(groups)
-    figure = _figure(9.0, height)
+    figure = new_figure(9.0, height)
     grid = figure.add_gridspec(len(groups), 1, height_ratios=rows, left=0.18, right=0.97)
     grid.update(top=1.0 - 0.12 / height, bottom=0.6 / height, hspace=0.75 * len(groups) / (0.42 * sum(rows)) * 1.1)
     for row, (known, longest) in enumerate(groups):
@@ -72,7 +71,7 @@ def save_swatches(glasses: Mapping[str, Glass], fillings: Mapping[str, Filling],
         axis.set_xlabel("wall, mm" if longest == GLASS_WALLS_MM else "liquid, mm")
         axis.tick_params(length=0)
         axis.spines[:].set_visible(False)
-    _save(figure, path)
+    save_figure(figure, path)
 
 
 def save_curves(glasses: Mapping[str, Glass], fillings: Mapping[str, Filling], path: str | Path) -> None:
@@ -83,7 +82,7 @@ def save_curves(glasses: Mapping[str, Glass], fillings: Mapping[str, Filling], p
         raise InputError(f"{path}: there is nothing to draw; name a glass or a filling")
     columns = min(_COLUMNS, len(known))
     rows = -(-len(known) // columns)
-    figure = _figure(max(3.2 * columns, 5.0), 2.25 * rows + 0.5)
+    figure = new_figure(max(3.2 * columns, 5.0), 2.25 * rows + 0.5)
     axes = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).ravel()
     width, height = figure.get_size_inches()
     figure.subplots_adjust(left=0.55 / width, right=1.0 - 0.25 / width, hspace=0.32, wspace=0.1)
@@ -97,7 +96,7 @@ def save_curves(glasses: Mapping[str, Glass], fillings: Mapping[str, Filling], p
         axis.tick_params(labelbottom=True)
     for axis in axes[::columns]:
         axis.set_ylabel("passed", fontsize=9)
-    _save(figure, path)
+    save_figure(figure, path)
 
 
 def _draw_curve(axis: Axes, material: Glass | Filling) -> None:
@@ -118,17 +117,3 @@ def _draw_curve(axis: Axes, material: Glass | Filling) -> None:
     axis.grid(color="0.9")
     axis.set_axisbelow(True)
     axis.spines[["top", "right"]].set_visible(False)
-
-
-def _figure(width: float, height: float) -> Figure:
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(width, height), facecolor="white")
-    FigureCanvasAgg(figure)
-    return figure
-
-
-def _save(figure: Figure, path: Path) -> None:
-    with written_aside(path) as aside:
-        figure.savefig(aside, dpi=110, format=path.suffix[1:].lower())

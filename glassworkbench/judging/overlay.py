@@ -8,7 +8,7 @@ import numpy as np
 
 from glassworkbench.images import to_display
 from glassworkbench.judging.compare import Comparison
-from glassworkbench.output import check_drawing, written_aside
+from glassworkbench.output import check_drawing, new_figure, save_figure
 
 OVERLAY = "an overlay"
 
@@ -23,14 +23,11 @@ ROOM_PX = 4
 def save_overlay(comparison: Comparison, title: str, path: str | Path) -> None:
     """Draw a comparison into a PNG, SVG or PDF file; raises as `check_drawing`."""
     path = check_drawing(path, OVERLAY)
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
     from matplotlib.patches import Rectangle
 
     height, width = comparison.z.shape
-    figure = Figure(figsize=(2.0 * 8.0 * min(1.0, width / height) + 1.6, 8.0 * min(1.0, height / width) + 1.2))
+    figure = new_figure(2.0 * 8.0 * min(1.0, width / height) + 1.6, 8.0 * min(1.0, height / width) + 1.2)
     figure.set_layout_engine("constrained")
-    FigureCanvasAgg(figure)
     camera, departures = figure.subplots(1, 2)
     found, grey = comparison.registration, comparison.image.grey
     camera.imshow(to_display(grey / max(float(np.percentile(grey, 99.5)), 1e-300)), cmap="gray", vmin=0, vmax=255)
@@ -63,5 +60,4 @@ def save_overlay(comparison: Comparison, title: str, path: str | Path) -> None:
     )
     for axis in (camera, departures):
         axis.set_axis_off()
-    with written_aside(path) as aside:
-        figure.savefig(aside, dpi=110, format=path.suffix[1:].lower())
+    save_figure(figure, path)

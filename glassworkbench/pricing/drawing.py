@@ -8,11 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from glassworkbench.output import written_aside
+from glassworkbench.output import new_figure, save_figure
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from glassworkbench.images import Image
     from glassworkbench.pricing.price_list import Price
 
@@ -29,7 +27,7 @@ GAIN = 10
 
 def save_plot(prices: Sequence[Price], path: Path) -> None:
     """Draw error over seconds, both logarithmic: hollow as predicted, filled as measured, a line between the two."""
-    figure = _figure(8.4, 5.2)
+    figure = new_figure(8.4, 5.2)
     axis = figure.add_axes((0.1, 0.12, 0.87, 0.83))
     for kind, (marker, colour) in KINDS.items():
         of_kind = [price for price in prices if price.kind == kind]
@@ -62,7 +60,7 @@ def save_plot(prices: Sequence[Price], path: Path) -> None:
     axis.plot([], [], "o", color="0.3", mfc="white", ms=8, label="predicted")
     axis.plot([], [], "o", color="0.3", ms=6, label="measured")
     axis.legend(fontsize=8, frameon=False, ncols=2, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.0)
-    _save(figure, path)
+    save_figure(figure, path)
 
 
 def save_crops(crops: Sequence[tuple[str, Image]], path: Path) -> None:
@@ -72,7 +70,7 @@ def save_crops(crops: Sequence[tuple[str, Image]], path: Path) -> None:
         return
     rows = -(-len(crops) // COLUMNS)
     columns = -(-len(crops) // rows)
-    figure = _figure(2.1 * columns, 4.4 * rows)
+    figure = new_figure(2.1 * columns, 4.4 * rows)
     axes = figure.subplots(2 * rows, columns, squeeze=False)
     figure.subplots_adjust(left=0.01, right=0.99, top=1.0 - 0.3 / (4.4 * rows), bottom=0.01, wspace=0.04, hspace=0.12)
     for axis in axes.ravel():
@@ -88,18 +86,4 @@ def save_crops(crops: Sequence[tuple[str, Image]], path: Path) -> None:
         off = np.abs(image.pixels - finest.pixels)
         lower.imshow(np.clip(GAIN * off, 0.0, 1.0), interpolation="nearest")
         lower.set_title(f"{GAIN} x difference", fontsize=7, color="0.4")
-    _save(figure, path)
-
-
-def _figure(width: float, height: float) -> Figure:
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(width, height), facecolor="white")
-    FigureCanvasAgg(figure)
-    return figure
-
-
-def _save(figure: Figure, path: Path) -> None:
-    with written_aside(path) as aside:
-        figure.savefig(aside, dpi=110, format=path.suffix[1:].lower())
+    save_figure(figure, path)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from glassworkbench.output import check_drawing, written_aside
+from glassworkbench.output import check_drawing, new_figure, save_figure
 from glassworkbench.scene import Mesh, Panel, Patches, Revolved, Scene
 from glassworkbench.staging.directions import along_meridian
 
@@ -40,11 +40,8 @@ def save_layout(scene: Scene, picture: np.ndarray, title: str, path: str | Path)
         As `check_drawing`.
     """
     path = check_drawing(path, LAYOUT)
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(13.0, 5.2), facecolor="white", layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = new_figure(13.0, 5.2)
+    figure.set_layout_engine("constrained")
     axes = figure.subplots(1, 3, width_ratios=(1.3, 1.3, 0.8))
     for axis, (name, plane, label) in zip(axes, PLANES, strict=False):
         _draw_plane(axis, scene, plane)
@@ -56,8 +53,7 @@ def save_layout(scene: Scene, picture: np.ndarray, title: str, path: str | Path)
     axes[2].set_axis_off()
     axes[2].set_title(f"what the camera sees, {scene.size[0]} x {scene.size[1]} px", fontsize=10, color="0.35")
     figure.suptitle(title, x=0.01, ha="left", fontsize=12, wrap=True)
-    with written_aside(path) as aside:
-        figure.savefig(aside, dpi=110, format=path.suffix[1:].lower())
+    save_figure(figure, path)
 
 
 def _draw_plane(axis: Axes, scene: Scene, plane: tuple[int, int]) -> None:
